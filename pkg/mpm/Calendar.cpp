@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/Calendar.hpp>
-#include <pkg/mpm/effects/HeatTransfer.hpp>
-#include <pkg/mpm/effects/SolidMotion.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -14,16 +12,10 @@ Calendar<D>::Calendar(PointFields& fields, const HeatSettings& settings)
         , handle_(fields.declare("displacementBefore", "calendar", "m", D))
 {}
 
-template <int D> void Calendar<D>::bind(MaterialPoints<D>& points, const SolidMotion<D>& motion, const HeatTransfer<D>& heat)
+template <int D> void Calendar<D>::bind(MaterialPoints<D>& points)
 {
 	for (int a = 0; a < D; ++a)
 		before_[a] = points.fields().component(handle_, a);
-	displacement_ = motion.displacement;
-	velocity_     = motion.velocity;
-	volume_       = points.volume();
-	mass_         = motion.mass;
-	capacity_     = heat.heatCapacity;
-	conductivity_ = heat.conductivity;
 }
 
 template <int D> double Calendar<D>::scale(const CalendarState& state, double dt) const
@@ -35,12 +27,12 @@ template <int D> double Calendar<D>::scale(const CalendarState& state, double dt
 }
 
 /// Least heat capacity over volume and conductivity [s/m^2].
-template <int D> double Calendar<D>::leastInertia(int first, int last) const
+template <int D> double Calendar<D>::leastInertia(const double* volume, const ConductingPoints& heat, int first, int last) const
 {
 	double              least = std::numeric_limits<double>::infinity();
-	const double* const v     = volume_;
-	const double* const c     = capacity_;
-	const double* const kappa = conductivity_;
+	const double* const v     = volume;
+	const double* const c     = heat.heatCapacity;
+	const double* const kappa = heat.conductivity;
 	for (int p = first; p < last; ++p) {
 		const double own = c[p] / (v[p] * kappa[p]);
 		least            = own < least ? own : least;
@@ -49,30 +41,30 @@ template <int D> double Calendar<D>::leastInertia(int first, int last) const
 }
 
 /// Square of the largest speed of a point [m^2/s^2].
-template <int D> double Calendar<D>::fastestPoint(int first, int last) const
+template <int D> double Calendar<D>::fastestPoint(const PointsInMotion<D>& points, int first, int last) const
 {
 	double fastest = 0.0;
 	for (int p = first; p < last; ++p) {
 		double square = 0.0;
 		for (int a = 0; a < D; ++a)
-			square += velocity_[a][p] * velocity_[a][p];
+			square += points.velocity[a][p] * points.velocity[a][p];
 		fastest = square > fastest ? square : fastest;
 	}
 	return fastest;
 }
 
 /// Sums mass and momentum of the points of each cell.
-template <int D> void Calendar<D>::sumInCells(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range)
+template <int D> void Calendar<D>::sumInCells(const StepContext<D>& step, const PointsInMotion<D>& points, const CellMeans<D>& cells)
 {
 	if (cellMotion_.empty()) cellMotion_.reset(cells.count());
-	std::fill(cellMotion_.begin() + range.firstCell, cellMotion_.begin() + range.lastCell, std::array<double, D + 1> {});
-	strips.scatter(
+	std::fill(cellMotion_.begin() + step.owned.firstCell, cellMotion_.begin() + step.owned.lastCell, std::array<double, D + 1> {});
+	step.strips.scatter(
 	        [&](int, int first, int last) {
 		        for (int p = first; p < last; ++p) {
 			        auto& sum = cellMotion_[cells.cell(p)];
 			        for (int a = 0; a < D; ++a)
-				        sum[a] += mass_[p] * velocity_[a][p];
-			        sum[D] += mass_[p];
+				        sum[a] += points.mass[p] * points.velocity[a][p];
+			        sum[D] += points.mass[p];
 		        }
 	        },
 	        [&](SharedRows& rows) { rows.cells(cellMotion_.data()); });
@@ -95,15 +87,17 @@ template <int D> double Calendar<D>::fastestCell(int first, int last) const
 
 template <int D>
 void Calendar<D>::measure(
-        CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, const Grid<D>& grid, double heatFraction)
+        const StepContext<D>& step, const PointsInMotion<D>& points, const ConductingPoints& heat, const CellMeans<D>* cells, double heatFraction,
+        CalendarState& state)
 {
-	const int    cellsOfStrip = Strips::rows * grid.cellStride(strips.axis);
-	const double spacing      = grid.spacing();
+	const Strips& strips       = step.strips;
+	const int     cellsOfStrip = Strips::rows * step.grid.cellStride(strips.axis);
+	const double  spacing      = step.grid.spacing();
 	measured_.assign(strips.count(), {});
-	if (cells) sumInCells(strips, *cells, range);
+	if (cells) sumInCells(step, points, *cells);
 	strips.gather([&](int s, int first, int last) {
-		const int firstCell = std::max(range.firstCell, s * cellsOfStrip), lastCell = std::min(range.lastCell, (s + 1) * cellsOfStrip);
-		measured_[s] = { leastInertia(first, last), cells ? fastestCell(firstCell, lastCell) : fastestPoint(first, last) };
+		const int firstCell = std::max(step.owned.firstCell, s * cellsOfStrip), lastCell = std::min(step.owned.lastCell, (s + 1) * cellsOfStrip);
+		measured_[s] = { leastInertia(points.volume, heat, first, last), cells ? fastestCell(firstCell, lastCell) : fastestPoint(points, first, last) };
 	});
 	if (strips.bands) strips.bands->shareByStrip(measured_.data());
 	Measured all;
@@ -115,37 +109,39 @@ void Calendar<D>::measure(
 	state.speed = std::sqrt(all.square);
 }
 
-template <int D> void Calendar<D>::keepEvents(CalendarState& state, double dt, double time, const Strips& strips)
+template <int D> void Calendar<D>::keepEvents(const StepContext<D>& step, const PointsInMotion<D>& points, double time, CalendarState& state)
 {
-	const double tolerance = std::max(settings_->motionTolerance, settings_->eventSpeed * state.scale);
+	const Strips& strips    = step.strips;
+	const double  tolerance = std::max(settings_->motionTolerance, settings_->eventSpeed * state.scale);
 	if (!state.moving) {
 		if (!(state.speed > tolerance)) return;
 		state.moving = 1;
 		state.quiet = state.quietCalendar = 0.0;
 		state.event                       = { state.time, 0.0, time, 0.0, 0.0, 0.0 };
 		for (int a = 0; a < D; ++a)
-			std::copy(displacement_[a] + strips.firstPoint(), displacement_[a] + strips.endPoint(), before_[a] + strips.firstPoint());
+			std::copy(points.displacement[a] + strips.firstPoint(), points.displacement[a] + strips.endPoint(), before_[a] + strips.firstPoint());
 		return;
 	}
 	const bool slow     = state.speed < 0.5 * tolerance;
-	state.quiet         = slow ? state.quiet + dt : 0.0;
-	state.quietCalendar = slow ? state.quietCalendar + state.scale * dt : 0.0;
+	state.quiet         = slow ? state.quiet + step.dt : 0.0;
+	state.quietCalendar = slow ? state.quietCalendar + step.calendarDt : 0.0;
 	if (state.quiet < MotionEvent::quietTime) return;
-	const MotionEvent ended = present(state, time, strips, strips.bands);
+	const MotionEvent ended = present(state, points, time, strips, strips.bands);
 	if (ended.largest > settings_->eventDisplacement) events.push_back(ended);
 	state.moving = 0;
 }
 
-template <int D> MotionEvent Calendar<D>::present(const CalendarState& state, double time, const Strips& strips, Bands* bands) const
+template <int D>
+MotionEvent Calendar<D>::present(const CalendarState& state, const PointsInMotion<D>& points, double time, const Strips& strips, Bands* bands) const
 {
 	MotionEvent event = state.event;
 	event.duration    = time - event.start - state.quiet;
 	event.passed      = state.time - event.begin - state.quietCalendar;
-	measureEvent(event, strips, bands);
+	measureEvent(event, points, strips, bands);
 	return event;
 }
 
-template <int D> void Calendar<D>::measureEvent(MotionEvent& event, const Strips& strips, Bands* bands) const
+template <int D> void Calendar<D>::measureEvent(MotionEvent& event, const PointsInMotion<D>& points, const Strips& strips, Bands* bands) const
 {
 	struct Moved {
 		double largest = 0.0, volume = 0.0;
@@ -156,11 +152,11 @@ template <int D> void Calendar<D>::measureEvent(MotionEvent& event, const Strips
 		for (int p = strips.first[s]; p < strips.first[s + 1]; ++p) {
 			double square = 0.0;
 			for (int a = 0; a < D; ++a) {
-				const double moved = displacement_[a][p] - before_[a][p];
+				const double moved = points.displacement[a][p] - before_[a][p];
 				square += moved * moved;
 			}
 			byStrip[s].largest = std::max(byStrip[s].largest, square);
-			if (square > least) byStrip[s].volume += volume_[p];
+			if (square > least) byStrip[s].volume += points.volume[p];
 		}
 	if (bands) bands->shareByStrip(byStrip.data());
 	double largest = 0.0;

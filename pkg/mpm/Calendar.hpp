@@ -4,6 +4,8 @@
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/points/PointsInMotion.hpp>
+#include <pkg/mpm/StepContext.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <array>
@@ -37,8 +39,11 @@ struct CalendarState {
 	MotionEvent event;                            ///< the one that goes on
 };
 
-template <int D> class HeatTransfer;
-template <int D> class SolidMotion;
+/// What conducts at the points, by place.
+struct ConductingPoints {
+	const double* heatCapacity; ///< [J/K]
+	const double* conductivity; ///< [W/(m K)]
+};
 
 /// The calendar whose scale follows the motion: heat, weather and seepage run at thermalTimeScale while the ground rests and at
 /// movingTimeScale while it moves. One decision per step, from the state at its start alone.
@@ -50,33 +55,34 @@ template <int D> class SolidMotion;
 template <int D> class Calendar {
 public:
 	Calendar(PointFields& fields, const HeatSettings& settings);
-	void bind(MaterialPoints<D>& points, const SolidMotion<D>& motion, const HeatTransfer<D>& heat);
+	void bind(MaterialPoints<D>& points);
 
 	/// Scale of a step of length dt [s].
 	double scale(const CalendarState& state, double dt) const;
-	/// Speed and reach of the ground as it is. heatFraction: of the explicit limit of conduction. cells: where the points are; null: the
-	/// fastest point counts.
-	void measure(CalendarState& state, const Strips& strips, const CellMeans<D>* cells, const ActiveRange& range, const Grid<D>& grid, double heatFraction);
-	/// At the end of a step of length dt [s] that ended at time [s of motion], calendar included: keeps account of events.
-	void keepEvents(CalendarState& state, double dt, double time, const Strips& strips);
+	/// Speed and reach of the ground as it is, for the next step. heatFraction: of the explicit limit of conduction. cells: where the points are; null:
+	/// the fastest point counts.
+	void measure(
+	        const StepContext<D>& step, const PointsInMotion<D>& points, const ConductingPoints& heat, const CellMeans<D>* cells, double heatFraction,
+	        CalendarState& state);
+	/// At the end of a step that ended at time [s of motion], calendar included: keeps account of events.
+	void keepEvents(const StepContext<D>& step, const PointsInMotion<D>& points, double time, CalendarState& state);
 	/// The event that goes on, as if it ended now. bands: their ranks ask together; null: the points of all are current here.
-	MotionEvent present(const CalendarState& state, double time, const Strips& strips, Bands* bands) const;
+	MotionEvent present(const CalendarState& state, const PointsInMotion<D>& points, double time, const Strips& strips, Bands* bands) const;
 	/// Only cells of this part are used from now on; all others are zero and take no memory.
 	void keepOnly(const ActiveRange& range) { cellMotion_.keepOnly(range.firstCell, range.lastCell); }
 
 	std::vector<MotionEvent> events; ///< that have ended, in order; those that moved nothing by eventDisplacement are left out
 
 private:
-	TALIK_PROCESSOR_VERSIONS double leastInertia(int first, int last) const;
-	TALIK_PROCESSOR_VERSIONS double fastestPoint(int first, int last) const;
-	void                            sumInCells(const Strips& strips, const CellMeans<D>& cells, const ActiveRange& range);
+	TALIK_PROCESSOR_VERSIONS double leastInertia(const double* volume, const ConductingPoints& heat, int first, int last) const;
+	TALIK_PROCESSOR_VERSIONS double fastestPoint(const PointsInMotion<D>& points, int first, int last) const;
+	void                            sumInCells(const StepContext<D>& step, const PointsInMotion<D>& points, const CellMeans<D>& cells);
 	double                          fastestCell(int first, int last) const;
-	void                            measureEvent(MotionEvent& event, const Strips& strips, Bands* bands) const;
+	void                            measureEvent(MotionEvent& event, const PointsInMotion<D>& points, const Strips& strips, Bands* bands) const;
 
 	const HeatSettings*    settings_;
 	PointFields::Handle    handle_;
-	std::array<double*, D> before_ {}, displacement_ {}, velocity_ {};
-	const double *         mass_ = nullptr, *volume_ = nullptr, *capacity_ = nullptr, *conductivity_ = nullptr;
+	std::array<double*, D> before_ {}; ///< displacement of the points when the event began
 	/// Least heat capacity over volume and conductivity [s/m^2], and the square of the largest speed [m^2/s^2].
 	struct Measured {
 		double inertia = std::numeric_limits<double>::infinity(), square = 0.0;

@@ -41,7 +41,7 @@ template <int D> long   Ground<D>::steps() const { return parts_->clock.steps; }
 template <int D> double Ground<D>::dt() const { return parts_->clock.dt; }
 
 template <int D> const CalendarState& Ground<D>::calendar() const { return parts_->clock.calendar; }
-template <int D> double               Ground<D>::seepageScale() const { return parts_->water ? parts_->water->scale : 1.0; }
+template <int D> double               Ground<D>::seepageScale() const { return parts_->water ? parts_->water->scales.smallest : 1.0; }
 template <int D> double               Ground<D>::largestConductivity() const
 {
 	return parts_->water ? parts_->water->largestConductivity : std::numeric_limits<double>::infinity();
@@ -62,8 +62,8 @@ template <int D> std::vector<MotionEvent> Ground<D>::events() const
 	if (!g.calendar) return {};
 	std::vector<MotionEvent> list = g.calendar->events;
 	if (!g.clock.calendar.moving) return list;
-	g.bringPoints();
-	const MotionEvent present = g.calendar->present(g.clock.calendar, g.clock.time, g.points->strips(), nullptr);
+	g.ranks.bringPoints();
+	const MotionEvent present = g.calendar->present(g.clock.calendar, g.inMotion, g.clock.time, g.points->strips(), nullptr);
 	if (present.largest > g.settings.heat->eventDisplacement) list.push_back(present);
 	return list;
 }
@@ -88,20 +88,20 @@ template <int D> RigidContact<D>* Ground<D>::bodies() { return parts_->bodies.ge
 template <int D> SkeletonBatch<D> Ground<D>::skeletonBatch(int skeleton) const
 {
 	Parts& g = *parts_;
-	if (!g.bands) return g.skeletons.batch(skeleton, g.stepTime());
-	g.bringPoints();
+	if (!g.ranks) return g.skeletons.batch(skeleton, g.stepTime());
+	g.ranks.bringPoints();
 	return g.skeletons.batch(g.skeletons.placesOfAll(skeleton), g.stepTime());
 }
 
 template <int D> void Ground<D>::startSkeleton(int skeleton)
 {
 	settings().skeletons[skeleton]->initialise(skeletonBatch(skeleton));
-	if (parts_->bands) parts_->followBands(false);
+	if (parts_->ranks) parts_->followBands(false);
 }
 
 template <int D> PointFields& Ground<D>::pointFields()
 {
-	parts_->bringPoints();
+	parts_->ranks.bringPoints();
 	return points().fields();
 }
 
@@ -139,7 +139,7 @@ template <int D> std::vector<FieldInfo> Ground<D>::fields() const
 template <int D> void Ground<D>::copyById(const std::string& field, int component, double* out) const
 {
 	const Parts& g = *parts_;
-	g.bringPoints();
+	g.ranks.bringPoints();
 	const double* values = g.points->fields().find(field, component);
 	if (!values) {
 		std::string known;
@@ -154,18 +154,18 @@ template <int D> void Ground<D>::copyById(const std::string& field, int componen
 template <int D> void Ground<D>::setThermalState(int id, double temperature, double pressure)
 {
 	Parts& g = *parts_;
-	g.bringPoints();
+	g.ranks.bringPoints();
 	const int p = g.points->place(id);
 	if (!g.content) throw std::logic_error("setThermalState: the scene has neither heat nor water");
 	g.contentSettled = false;
 	g.content->fill(p, g.content->porosity[p], temperature, pressure, g.fillOf(id), g.contentOf());
 	if (g.content->update(p, p + 1, g.contentOf()) != p + 1)
-		throw std::invalid_argument(whereabouts(*g.points, p, g.clock.steps) + " cannot exist: " + g.content->whyImpossible(p, g.heat.get()));
+		throw std::invalid_argument(whereabouts(*g.points, p, g.clock.steps) + " cannot exist: " + g.whyImpossible(p));
 }
 
 template <int D> std::vector<StateArray> Ground<D>::state()
 {
-	parts_->bringPoints();
+	parts_->ranks.bringPoints();
 	std::vector<StateArray>       list = pointState();
 	const std::vector<StateArray> rest = commonState();
 	list.insert(list.end(), rest.begin(), rest.end());
@@ -205,7 +205,7 @@ template <int D> void Ground<D>::stateRestored()
 {
 	Parts& g         = *parts_;
 	g.contentSettled = false;
-	if (g.bands) g.bands->weigh({});
+	if (g.ranks) g.ranks.bands()->weigh({});
 	g.points->idsRestored();
 	g.afterReordering();
 }
@@ -213,21 +213,16 @@ template <int D> void Ground<D>::stateRestored()
 template <int D> std::uint64_t Ground<D>::writePoints(const FilePlace& place)
 {
 	const Parts& g = *parts_;
-	if (g.bands) return g.bands->write(place);
+	if (g.ranks) return g.ranks.bands()->write(place);
 	PartSum sum;
-	g.writeOwnPoints(place, sum);
+	g.ranks.writeOwnPoints(place, sum);
 	return sum.value();
 }
 
 template <int D> void Ground<D>::readPoints(const PartedFile& file, std::uint64_t at)
 {
 	Parts& g = *parts_;
-	if (g.bands) {
-		g.bands->weigh({});
-		g.cutBands();
-		g.bands->allCurrent = false;
-		g.keepOwnPoints();
-	}
+	if (g.ranks) g.ranks.readAgain();
 	const std::size_t first = g.points->strips().firstPoint(), end = g.points->strips().endPoint();
 	for (const StateArray& array : pointState()) {
 		file.read(static_cast<double*>(array.data) + first, (end - first) * sizeof(double), at + first * sizeof(double));
@@ -263,7 +258,7 @@ template <int D> Balance<D> Ground<D>::balance() const
 {
 	const Parts& g = *parts_;
 	if (!g.ready) throw std::logic_error("balance: the ground is not initialised");
-	g.bringPoints();
+	g.ranks.bringPoints();
 	Balance<D> b;
 	b.time      = g.clock.time;
 	const int n = g.points->count();

@@ -30,8 +30,8 @@ template <int D> void Ground<D>::Parts::findForcesAtRest()
 {
 	clearNodes();
 	locateInCells();
-	scatter(
-	        read.toGrid,
+	passes.scatter(
+	        passes.toGrid,
 	        [&](const WeightBlock<D>& w) {
 		        if (motion->addedStress) bBar.findAddedStress(averagingCells(), *points, *motion, water.get(), w.first, w.first + w.count);
 		        motion->map(w);
@@ -39,8 +39,8 @@ template <int D> void Ground<D>::Parts::findForcesAtRest()
 		        if (surface) surface->map(w);
 	        },
 	        [](SharedRows&) {});
-	if (surface) collectSurfaces();
-	momentum->addGravity(around, *motion, water.get());
+	if (surface) collectSurfaces(context());
+	momentum->addGravity(ranks.halo(), *motion, water.get());
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
 		if (settings.boundaries[b]->loads()) momentum->addLoad(*settings.boundaries[b], surface->patch(b), clock.calendar.time, *motion);
 	momentum->forgetLoads();
@@ -52,7 +52,7 @@ template <int D> void Ground<D>::Parts::findStrains(const NodeField<D>& displace
 	std::vector<double> traces(grid.cellCount(), 0.0);
 	const bool          average = averaging();
 	points->strips().gather([&](int, int first, int last) {
-		overBlocks(read.flows, first, last, [&](const WeightBlock<D>& w) {
+		passes.overBlocks(passes.flows, first, last, [&](const WeightBlock<D>& w) {
 			for (int k = 0; k < w.count; ++k) {
 				double g[D][D] = {};
 				overNodes<D>(w, k, [&](int node, double, const Vec<D>& slope) {
@@ -93,9 +93,9 @@ template <int D> void Ground<D>::Parts::findReactions(const std::array<std::vect
 		for (int p = first; p < last && average; ++p)
 			means[cells->cell(p)] += points->volume()[p] * averagedAt(p) / cells->cellVolume(cells->cell(p));
 	});
-	around.overNodes([&](int, int first, int last) { std::fill(force[first], force[last], 0.0); });
-	scatter(
-	        read.flows,
+	ranks.halo().overNodes([&](int, int first, int last) { std::fill(force[first], force[last], 0.0); });
+	passes.scatter(
+	        passes.flows,
 	        [&](const WeightBlock<D>& w) {
 		        for (int k = 0; k < w.count; ++k) {
 			        const int    p     = w.first + k;
@@ -127,8 +127,8 @@ template <int D> void Ground<D>::Parts::balanceStart()
 	NodeField<D> path, residual, direction, image, inverse, scaled, weight;
 	for (auto* field : { &path, &residual, &direction, &image, &inverse, &scaled, &weight })
 		field->allocate(grid.nodeCount());
-	scatter(
-	        read.flows,
+	passes.scatter(
+	        passes.flows,
 	        [&](const WeightBlock<D>& w) {
 		        for (int k = 0; k < w.count; ++k)
 			        overNodes<D>(w, k, [&](int node, double, const Vec<D>& slope) {
@@ -138,7 +138,7 @@ template <int D> void Ground<D>::Parts::balanceStart()
 	        },
 	        [](SharedRows&) {});
 	const auto overAll = [&](auto&& work) {
-		around.overNodes([&](int, int first, int last) {
+		ranks.halo().overNodes([&](int, int first, int last) {
 			for (int i = first; i < last; ++i)
 				for (int a = 0; a < D; ++a)
 					work(i, a);
@@ -150,29 +150,29 @@ template <int D> void Ground<D>::Parts::balanceStart()
 		weight[i][a]      = mass * motion->settings->gravity[a];
 	});
 	for (auto* field : { &residual, &weight }) {
-		momentum->foldForces(around, *field);
-		momentum->holdWalls(around, *field);
+		momentum->foldForces(ranks.halo(), *field);
+		momentum->holdWalls(ranks.halo(), *field);
 	}
 	overAll([&](int i, int a) { inverse[i][a] = inverse[i][a] > 0.0 ? 1.0 / inverse[i][a] : 0.0; });
 	const auto precondition = [&](const NodeField<D>& from) {
 		overAll([&](int i, int a) { scaled[i][a] = inverse[i][a] * from[i][a]; });
-		return product<D>(around, from, scaled);
+		return product<D>(ranks.halo(), from, scaled);
 	};
 	const double goal = smallestImbalance * smallestImbalance * precondition(weight);
 	double       norm = precondition(residual);
 	overAll([&](int i, int a) { direction[i][a] = scaled[i][a]; });
 	int iterations = 0;
 	for (; iterations < mostIterations && norm > goal; ++iterations) {
-		momentum->unfoldChanges(around, direction);
+		momentum->unfoldChanges(ranks.halo(), direction);
 		findStrains(direction, strain);
 		findReactions(strain, image);
-		momentum->foldForces(around, image);
-		momentum->holdWalls(around, image);
+		momentum->foldForces(ranks.halo(), image);
+		momentum->holdWalls(ranks.halo(), image);
 		overAll([&](int i, int a) {
 			if (inverse[i][a] == 0.0) image[i][a] = 0.0;
 		});
-		momentum->clearGhosts(around, direction);
-		const double step = norm / product<D>(around, direction, image);
+		momentum->clearGhosts(ranks.halo(), direction);
+		const double step = norm / product<D>(ranks.halo(), direction, image);
 		overAll([&](int i, int a) {
 			path[i][a] += step * direction[i][a];
 			residual[i][a] -= step * image[i][a];
@@ -184,7 +184,7 @@ template <int D> void Ground<D>::Parts::balanceStart()
 	if (!(norm <= goal))
 		throw std::invalid_argument(
 		        "balanceStart = true: there is no stress in which this ground rests; hold it by boundaries, or leave balanceStart out");
-	momentum->unfoldChanges(around, path);
+	momentum->unfoldChanges(ranks.halo(), path);
 	findStrains(path, strain);
 	for (int c = 0; c < stressSize<D>; ++c)
 		for (int p = 0; p < n; ++p)

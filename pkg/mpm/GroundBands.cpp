@@ -8,107 +8,40 @@
 
 namespace talik {
 
-namespace {
-	const std::string askPoints = "points of the bands", askLimits = "time step limits";
-} // namespace
+template <int D> void Ground<D>::distribute(std::shared_ptr<RankTalk> talk, bool required) { parts_->ranks.distribute(std::move(talk), required); }
 
-template <int D> void Ground<D>::distribute(std::shared_ptr<RankTalk> talk, bool required)
+template <int D> bool Ground<D>::inBands() const { return bool(parts_->ranks); }
+
+template <int D> std::string Ground<D>::Parts::refusalOfRanks() const
 {
-	parts_->talk          = std::move(talk);
-	parts_->bandsRequired = required;
-}
-
-template <int D> bool Ground<D>::inBands() const { return parts_->bands != nullptr; }
-
-/// Why this ground is not computed in bands; empty where it is.
-template <int D> std::string Ground<D>::Parts::refusalOfBands() const
-{
-	const int strips = points->strips().count(), least = Bands::leastStrips;
 	if (settings.motion && settings.motion->balanceStart) return "balanceStart is one system for the whole ground: choose 'samples', or leave it out.";
 	if (implicit) return "the implicit pressure of its water is one system for the whole ground: choose 'samples', or the explicit pressure.";
-	if (strips < least * talk->count())
-		return "the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells, and each of "
-		        + std::to_string(talk->count()) + " ranks needs " + std::to_string(least) + ": choose 'samples', or run it on fewer ranks.";
 	return "";
-}
-
-/// Once it is known which points each strip has. Collective.
-template <int D> void Ground<D>::Parts::startBands()
-{
-	if (!talk) return;
-	const std::string refusal = refusalOfBands();
-	if (!refusal.empty()) {
-		if (bandsRequired) throw std::invalid_argument("distribute is 'ground': " + refusal);
-		return;
-	}
-	bands                  = std::make_unique<Bands>(talk, [this](const std::string& question) { return answer(question); });
-	bands->writes          = [this](const FilePlace& place, PartSum& sum) { writeOwnPoints(place, sum); };
-	points->strips().bands = bands.get();
-	bands->allCurrent      = false;
-	talk->meet("the beginning of a ground in bands");
-	cutBands();
-}
-
-template <int D> void Ground<D>::Parts::cutBands()
-{
-	const Strips& strips = points->strips();
-	const int     axis   = strips.axis;
-	Bands::Rows   rows;
-	rows.ofStrip    = Strips::rows;
-	rows.nodes      = grid.nodes(axis);
-	rows.cells      = grid.cells(axis);
-	rows.nodesOfRow = grid.nodeStride(axis);
-	rows.cellsOfRow = grid.cellStride(axis);
-	bands->cut(strips.first, rows);
 }
 
 template <int D> void Ground<D>::Parts::followBands(bool moved)
 {
 	for (const auto& skeleton : settings.skeletons)
-		skeleton->followBands(*bands, points->ids(), moved);
+		skeleton->followBands(*ranks.bands(), points->ids(), moved);
 }
-
-template <int D> void Ground<D>::Parts::chooseRows()
-{
-	reached = around = clock.range;
-	if (!bands) return;
-	const auto limit = [&](ActiveRange& range, const Bands::Part& part) {
-		const int axis = points->strips().axis, nodes = grid.nodeStride(axis), cells = grid.cellStride(axis);
-		range.firstNode = std::max(range.firstNode, part.firstNode * nodes);
-		range.lastNode  = std::max(range.firstNode, std::min(range.lastNode, part.endNode * nodes)); // none in strips of the box that have no ground
-		range.firstCell = std::max(range.firstCell, part.firstCell * cells);
-		range.lastCell  = std::max(range.firstCell, std::min(range.lastCell, part.endCell * cells));
-	};
-	limit(reached, bands->touched(false));
-	limit(around, bands->touched(true));
-}
-
-template <int D> void Ground<D>::Parts::meetRanks()
-{
-	bands->meet(clock.steps);
-	if (!bands->allCurrent) return;
-	bands->allCurrent = false;
-	keepOwnPoints();
-}
-
-template <int D> void Ground<D>::Parts::keepOwnPoints() const { points->fields().keepOnly(bands->firstPoint(), bands->endPoint()); }
 
 template <int D> void Ground<D>::Parts::keepOwnPart()
 {
-	const int first = around.firstNode, last = around.lastNode, begin = bands->firstPoint(), end = bands->endPoint();
+	const ActiveRange& halo  = ranks.halo();
+	const int          first = halo.firstNode, last = halo.lastNode, begin = ranks.bands()->firstPoint(), end = ranks.bands()->endPoint();
 	if (motion) motion->nodes.keepOnly(first, last);
 	if (motion) motion->solved.keepOnly(first, last);
 	if (momentum) momentum->keepOnly(first, last);
 	if (heat) heat->keepOnly(first, last);
-	if (water) water->keepOnly(around, begin, end);
+	if (water) water->keepOnly(halo, begin, end);
 	if (surface) surface->nodes.keepOnly(first, last);
-	if (cells) cells->keepOnly(around, begin, end);
+	if (cells) cells->keepOnly(halo, begin, end);
 	if (bodies) bodies->keepOnly(first, last);
 	if (front) front->keepOnly(begin, end);
-	if (thawStrain) thawStrain->keepOnly(around, begin, end);
-	if (segregation) segregation->keepOnly(around, begin, end);
-	if (compression) compression->keepOnly(around, begin, end);
-	if (calendar) calendar->keepOnly(around);
+	if (thawStrain) thawStrain->keepOnly(halo, begin, end);
+	if (segregation) segregation->keepOnly(halo, begin, end);
+	if (compression) compression->keepOnly(halo, begin, end);
+	if (calendar) calendar->keepOnly(halo);
 	scratch.keepOnly(begin, end);
 }
 
@@ -116,7 +49,7 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 template <int D> const double* Ground<D>::Parts::costOfPoints() const
 {
 	double* const cost = scratch.data();
-	std::fill(cost + bands->firstPoint(), cost + bands->endPoint(), double(std::max(1L, clock.steps - clock.lastSort)));
+	std::fill(cost + ranks.bands()->firstPoint(), cost + ranks.bands()->endPoint(), double(std::max(1L, clock.steps - clock.lastSort)));
 	if (motion)
 		for (int k = 0; k < skeletons.count(); ++k)
 			skeletons.law(k).addCost(skeletons.batch(k, stepTime()), cost);
@@ -125,58 +58,13 @@ template <int D> const double* Ground<D>::Parts::costOfPoints() const
 
 template <int D> void Ground<D>::Parts::sortInBands()
 {
-	points->sortInBands(grid, *bands, costOfPoints(), [&] { cutBands(); });
+	points->sortInBands(grid, *ranks.bands(), costOfPoints(), [&] { ranks.cut(); });
 	clock.range = ActiveRange::of(grid, *points);
-	keepOwnPoints();
+	ranks.keepOwnPoints();
 }
 
-template <int D> void Ground<D>::Parts::bringPoints() const
+template <int D> std::string Ground<D>::Parts::ownLimits() const
 {
-	if (!bands || bands->allCurrent) return;
-	takePoints(bands->ask(askPoints));
-	bands->allCurrent = true;
-}
-
-template <int D> std::string Ground<D>::Parts::ownPoints() const
-{
-	const int   first = bands->firstPoint(), count = bands->endPoint() - first;
-	std::string bytes;
-	overArrays([&](double* values) { bytes.append(reinterpret_cast<const char*>(values + first), count * sizeof(double)); });
-	return bytes;
-}
-
-template <int D> void Ground<D>::Parts::takePoints(const std::vector<std::string>& byRank) const
-{
-	for (int r = 0; r < bands->count(); ++r) {
-		const auto [first, end] = bands->pointsOf(r);
-		const std::size_t size  = (end - first) * sizeof(double);
-		const char*       from  = byRank[r].data();
-		overArrays([&, begin = first](double* values) {
-			std::memcpy(values + begin, from, size);
-			from += size;
-		});
-	}
-}
-
-/// Array by array, each with its points in the place that they have among all.
-template <int D> void Ground<D>::Parts::writeOwnPoints(const FilePlace& place, PartSum& sum) const
-{
-	PartedFile        file(place.path, PartedFile::For::writing, place.end);
-	PointFields&      f     = points->fields();
-	const std::size_t first = points->strips().firstPoint(), end = points->strips().endPoint();
-	std::uint64_t     at = place.at + first * sizeof(double);
-	for (std::size_t k = 0; k < f.list().size(); ++k)
-		for (int c = 0; f.list()[k].persistent && c < f.list()[k].components; ++c) {
-			file.write(f.component(int(k), c) + first, (end - first) * sizeof(double), at);
-			at += f.count() * sizeof(double);
-		}
-	file.close();
-	sum.add(file.sum().value());
-}
-
-template <int D> std::string Ground<D>::Parts::answer(const std::string& question) const
-{
-	if (question == askPoints) return ownPoints();
 	std::string bytes;
 	try {
 		for (const TimeStepLimit& limit : limitsOfPoints().limits) {
@@ -191,7 +79,7 @@ template <int D> std::string Ground<D>::Parts::answer(const std::string& questio
 
 template <int D> StableTimeStep Ground<D>::Parts::limitsOfRanks() const
 {
-	const std::vector<std::string> byRank = bands->ask(askLimits);
+	const std::vector<std::string> byRank = ranks.askLimits();
 	for (const std::string& words : byRank)
 		if (words[0] == '!') throw std::runtime_error(words.substr(1));
 	StableTimeStep result = limitsOfPoints();
@@ -213,29 +101,19 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfRanks() const
 
 template void           Ground<2>::distribute(std::shared_ptr<RankTalk>, bool);
 template bool           Ground<2>::inBands() const;
-template void           Ground<2>::Parts::startBands();
-template void           Ground<2>::Parts::cutBands();
+template std::string    Ground<2>::Parts::refusalOfRanks() const;
 template void           Ground<2>::Parts::followBands(bool);
-template void           Ground<2>::Parts::chooseRows();
-template void           Ground<2>::Parts::meetRanks();
 template void           Ground<2>::Parts::keepOwnPart();
 template void           Ground<2>::Parts::sortInBands();
-template void           Ground<2>::Parts::bringPoints() const;
-template void           Ground<2>::Parts::keepOwnPoints() const;
-template void           Ground<2>::Parts::writeOwnPoints(const FilePlace&, PartSum&) const;
+template std::string    Ground<2>::Parts::ownLimits() const;
 template StableTimeStep Ground<2>::Parts::limitsOfRanks() const;
 template void           Ground<3>::distribute(std::shared_ptr<RankTalk>, bool);
 template bool           Ground<3>::inBands() const;
-template void           Ground<3>::Parts::startBands();
-template void           Ground<3>::Parts::cutBands();
+template std::string    Ground<3>::Parts::refusalOfRanks() const;
 template void           Ground<3>::Parts::followBands(bool);
-template void           Ground<3>::Parts::chooseRows();
-template void           Ground<3>::Parts::meetRanks();
 template void           Ground<3>::Parts::keepOwnPart();
 template void           Ground<3>::Parts::sortInBands();
-template void           Ground<3>::Parts::bringPoints() const;
-template void           Ground<3>::Parts::keepOwnPoints() const;
-template void           Ground<3>::Parts::writeOwnPoints(const FilePlace&, PartSum&) const;
+template std::string    Ground<3>::Parts::ownLimits() const;
 template StableTimeStep Ground<3>::Parts::limitsOfRanks() const;
 
 } // namespace talik

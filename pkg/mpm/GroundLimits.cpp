@@ -65,7 +65,7 @@ template <int D> StableTimeStep Ground<D>::stableTimeStep() const
 	if (!g.ready) throw std::logic_error("stableTimeStep: the ground is not initialised");
 	StableTimeStep result;
 	g.cost.start();
-	g.cost.time(CostMeter::limits, [&] { result = g.bands ? g.limitsOfRanks() : g.limitsOfPoints(); });
+	g.cost.time(CostMeter::limits, [&] { result = g.ranks ? g.limitsOfRanks() : g.limitsOfPoints(); });
 	result.step = infinity;
 	for (const TimeStepLimit& limit : result.limits)
 		if (limit.step < result.step) {
@@ -114,17 +114,17 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfPoints() const
 
 // ---- points that are about to leave the grid are found before the first of them has moved ---------------------------------
 
-template <int D> void Ground<D>::Parts::requirePathsInside()
+template <int D> void Ground<D>::Parts::requirePathsInside(const StepContext<D>& step)
 {
 	constexpr unsigned leave = 1, unstable = 2;
-	const auto         paths = positions.checkPaths(context(), *points, *shape, *motion, front.get());
-	const unsigned     found = context().onAnyRank((paths.leave ? leave : 0) | (paths.finite ? 0 : unstable));
-	if (found & leave) refuseToLeave(!(found & unstable));
+	const auto         paths = positions.checkPaths(step, *points, *shape, *motion, front.get());
+	const unsigned     found = step.onAnyRank((paths.leave ? leave : 0) | (paths.finite ? 0 : unstable));
+	if (found & leave) refuseToLeave(step, !(found & unstable));
 }
 
-template <int D> void Ground<D>::Parts::refuseToLeave(bool stable)
+template <int D> void Ground<D>::Parts::refuseToLeave(const StepContext<D>& step, bool stable)
 {
-	const ConcernedPoints all   = concernedPoints(*points, positions.leaving(context(), *points, *shape, *motion, front.get()), clock.steps, bands.get());
+	const ConcernedPoints all   = concernedPoints(*points, positions.leaving(step, *points, *shape, *motion, front.get()), clock.steps, step.bands);
 	const std::string     place = all.count == 0 ? "a material point" : all.first;
 	clock                       = clockBefore;
 	throw std::runtime_error(
@@ -138,7 +138,7 @@ template StableTimeStep Ground<2>::stableTimeStep() const;
 template StableTimeStep Ground<3>::stableTimeStep() const;
 template StableTimeStep Ground<2>::Parts::limitsOfPoints() const;
 template StableTimeStep Ground<3>::Parts::limitsOfPoints() const;
-template void           Ground<2>::Parts::requirePathsInside();
-template void           Ground<3>::Parts::requirePathsInside();
+template void           Ground<2>::Parts::requirePathsInside(const StepContext<2>&);
+template void           Ground<3>::Parts::requirePathsInside(const StepContext<3>&);
 
 } // namespace talik

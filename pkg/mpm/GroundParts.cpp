@@ -6,7 +6,7 @@ namespace talik {
 template <int D> void Ground<D>::Parts::sort()
 {
 	points->strips().parallel = points->count() >= settings.parallelFrom;
-	if (bands) sortInBands();
+	if (ranks) sortInBands();
 	else {
 		points->sort(grid);
 		clock.range = ActiveRange::of(grid, *points);
@@ -18,14 +18,14 @@ template <int D> void Ground<D>::Parts::sort()
 
 template <int D> void Ground<D>::Parts::afterReordering(bool pointsMoved)
 {
-	if (bands) cutBands();
-	if (bands && motion) followBands(pointsMoved);
-	chooseRows();
+	if (ranks) ranks.cut();
+	if (ranks && motion) followBands(pointsMoved);
+	ranks.chooseRows(clock.range);
 	// what lies outside the active range stays zero until the next sorting
-	if (bands) keepOwnPart();
-	clearNodes(bands ? around.firstNode : 0, bands ? around.lastNode : grid.nodeCount());
-	if (cells && !bands) cells->clearAll();
-	if (water && !bands) water->clearCells(0, grid.cellCount());
+	if (ranks) keepOwnPart();
+	clearNodes(ranks ? ranks.halo().firstNode : 0, ranks ? ranks.halo().lastNode : grid.nodeCount());
+	if (cells && !ranks) cells->clearAll();
+	if (water && !ranks) water->clearCells(0, grid.cellCount());
 	if (!motion) return;
 	skeletons.list();
 	positions.start(*points);
@@ -41,18 +41,28 @@ template <int D> void Ground<D>::Parts::clearNodes(int first, int last)
 
 template <int D> void Ground<D>::Parts::clearNodes()
 {
-	around.overNodes([&](int, int first, int last) { clearNodes(first, last); });
+	ranks.halo().overNodes([&](int, int first, int last) { clearNodes(first, last); });
+}
+
+template <int D> typename PoreContent<D>::PointArrays Ground<D>::Parts::contentOf() const
+{
+	typename PoreContent<D>::PointArrays of {};
+	if (motion) of.solid = { motion->mass, motion->velocity };
+	if (heat) of.heat = { heat->enthalpy, heat->temperature, heat->heatCapacity, heat->capacityWeight, heat->conductivity };
+	if (water) of.water = { water->pressure, water->liquidFraction, water->drag, water->velocity };
+	return of;
 }
 
 template <int D> void Ground<D>::Parts::locateInCells()
 {
 	if (!cells) return;
-	cells->clearVolumes(around);
-	cells->clearSums(around);
+	const ActiveRange& halo = ranks.halo();
+	cells->clearVolumes(halo);
+	cells->clearSums(halo);
 	const bool average = averaging();
-	if (water) water->clearCells(around.firstCell, around.lastCell);
-	if (implicit) implicit->clear(around);
-	bBar.clear(around);
+	if (water) water->clearCells(halo.firstCell, halo.lastCell);
+	if (implicit) implicit->clear(halo);
+	bBar.clear(halo);
 	points->strips().scatter(
 	        [&](int, int first, int last) {
 		        cells->locate(grid, *points, first, last);
@@ -69,19 +79,21 @@ template <int D> void Ground<D>::Parts::locateInCells()
 		        bBar.share(rows);
 	        });
 	if (!average) return;
-	cells->finish(reached);
+	cells->finish(ranks.owned());
 	if (!water) return;
-	water->finishPressure(around);
-	water->findDrivingPressure(grid, around, *cells, motion->settings->gravity, liquidDensity());
+	water->finishPressure(halo);
+	water->findDrivingPressure(grid, halo, *cells, motion->settings->gravity, liquidDensity());
 }
 
-template void Ground<2>::Parts::sort();
-template void Ground<2>::Parts::afterReordering(bool);
-template void Ground<2>::Parts::clearNodes();
-template void Ground<2>::Parts::locateInCells();
-template void Ground<3>::Parts::sort();
-template void Ground<3>::Parts::afterReordering(bool);
-template void Ground<3>::Parts::clearNodes();
-template void Ground<3>::Parts::locateInCells();
+template typename PoreContent<2>::PointArrays Ground<2>::Parts::contentOf() const;
+template typename PoreContent<3>::PointArrays Ground<3>::Parts::contentOf() const;
+template void                                 Ground<2>::Parts::sort();
+template void                                 Ground<2>::Parts::afterReordering(bool);
+template void                                 Ground<2>::Parts::clearNodes();
+template void                                 Ground<2>::Parts::locateInCells();
+template void                                 Ground<3>::Parts::sort();
+template void                                 Ground<3>::Parts::afterReordering(bool);
+template void                                 Ground<3>::Parts::clearNodes();
+template void                                 Ground<3>::Parts::locateInCells();
 
 } // namespace talik

@@ -26,9 +26,10 @@
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/GroundRanks.hpp>
 #include <pkg/mpm/points/AffineVelocity.hpp>
-#include <pkg/mpm/points/ArraysAhead.hpp>
 #include <pkg/mpm/points/ConcernedPoints.hpp>
+#include <pkg/mpm/points/PointPasses.hpp>
 #include <pkg/mpm/skeleton/SkeletonSet.hpp>
 #include <pkg/mpm/StepContext.hpp>
 #include <pkg/mpm/StepLedger.hpp>
@@ -73,12 +74,18 @@ template <int D> struct Clock {
 	ActiveRange   range;
 };
 
+/// The points that a scene gives to a ground.
+template <int D> struct GivenPoints {
+	std::vector<PointInput<D>>           list; ///< one by one, until initialise()
+	int                                  count = 0;
+	std::function<PointInput<D>(int id)> at;   ///< until initialise() has ended
+	std::vector<double>                  fill; ///< of the pores, by id; empty if it is that of the settings everywhere
+};
+
 template <int D> struct Ground<D>::Parts {
-	GroundSettings<D>                    settings;
-	std::vector<PointInput<D>>           inputs;
-	int                                  given = 0; ///< points, and each of them
-	std::function<PointInput<D>(int id)> point;
-	bool                                 ready = false;
+	GroundSettings<D> settings;
+	GivenPoints<D>    given;
+	bool              ready = false;
 
 	Grid<D>                            grid;
 	std::unique_ptr<MaterialPoints<D>> points;
@@ -109,27 +116,19 @@ template <int D> struct Ground<D>::Parts {
 
 	StateDependentBoundaries<D> stateDependent;
 
-	SkeletonSet<D>             skeletons;            ///< only with motion
-	std::shared_ptr<RankTalk>  talk;                 ///< of the ranks that share out this ground; null: there is one
-	bool                       bandsRequired = true; ///< what bands do not serve is an error
-	std::unique_ptr<Bands>     bands;                ///< the same, from initialise() on
-	std::vector<double>        pointFill;            ///< pore fill by id; empty if it is that of the settings everywhere
+	SkeletonSet<D>             skeletons; ///< only with motion
+	GroundRanks<D>             ranks;
 	Clock<D>                   clock {};
-	ActiveRange                reached;     ///< rows that the points of this rank may touch
-	ActiveRange                around;      ///< and as many beyond as it has to know to solve there
-	StepLedger<D>              ledger;      ///< of the step
 	Clock<D>                   clockBefore; ///< the clock at the beginning of the step, to which a step goes back that is refused before points move
+	StepLedger<D>              ledger;      ///< of the step
 	PositionCheck<D>           positions;
 	std::vector<int>           impossible; ///< per strip: place of the first point whose state cannot be, or -1
 	mutable PagedArray<double> scratch;
 	mutable CostMeter          cost;
-	/// What the passes over blocks read of the points.
-	struct {
-		ArraysAhead toGrid, flows, seepage, toPoints;
-	} read;
-	bool heatRests      = false; ///< in this step
-	bool waterRests     = false; ///< in this step no water moved through the skeleton
-	bool contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
+	PointPasses<D>             passes;
+	bool                       heatRests      = false; ///< in this step
+	bool                       waterRests     = false; ///< in this step no water moved through the skeleton
+	bool                       contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
 
 	// ---- setting up -----------------------------------------------------------------------------------------------------
 	void             declareFields();
@@ -150,7 +149,7 @@ template <int D> struct Ground<D>::Parts {
 	void   fillPoint(int place, const PointInput<D>& in, double poreFill);
 	void   shareRecords();
 	void   checkFreeSurface();
-	double fillOf(int id) const { return pointFill.empty() ? settings.usedPoreFill() : pointFill[id]; }
+	double fillOf(int id) const { return given.fill.empty() ? settings.usedPoreFill() : given.fill[id]; }
 	/// True if a boundary acts where the ground faces bodies.
 	bool facesBodies() const;
 	bool hasContent() const { return settings.heat || settings.water; }
@@ -159,168 +158,136 @@ template <int D> struct Ground<D>::Parts {
 	bool hasCompression() const;
 	/// Points at the front are exceptions from the means of cells in dry ground whose cells share no thaw strain.
 	bool frontHasOwnMeans() const { return front && !water && !thawStrain; }
-	/// The effects whose points the content of the pores changes.
-	typename PoreContent<D>::Effects contentOf() const { return { motion.get(), heat.get(), water.get() }; }
-	bool                             averaging() const { return motion && motion->settings->bBar; }
-	const CellMeans<D>*              averagingCells() const { return averaging() ? cells.get() : nullptr; }
+	/// What the content of the pores reads and writes of the points of other effects.
+	typename PoreContent<D>::PointArrays contentOf() const;
+	/// The points as the thaw front sees them.
+	typename ThawFront<D>::Points pointsOfFront() const { return { *motion, water.get(), content->waterMass, content->iceMass, content->porosity }; }
+	/// Why the point at a place is in a state that cannot be.
+	std::string         whyImpossible(int place) const { return content->whyImpossible(place, contentOf().heat.temperature, contentOf().heat.enthalpy); }
+	ConductingPoints    conducting() const { return { heat->heatCapacity, heat->conductivity }; }
+	bool                averaging() const { return motion && motion->settings->bBar; }
+	const CellMeans<D>* averagingCells() const { return averaging() ? cells.get() : nullptr; }
 
-	// ---- loops ----------------------------------------------------------------------------------------------------------
-	/// work(block) for all points, with weights at their positions; never two neighbouring strips at once.
-	/// share(rows): names the arrays to which work adds; ahead: those of the points that it reads.
-	template <class Work, class Share> void scatter(const ArraysAhead& ahead, Work&& work, Share&& share)
+	/// work(boundary, number) for the boundaries of which acts is true, such as &Boundary<D>::drains.
+	template <class Work> void overBoundaries(bool (Boundary<D>::*acts)() const, Work&& work) const
 	{
-		points->strips().scatter([&](int, int first, int last) { overBlocks(ahead, first, last, work); }, share);
+		for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
+			if (((*settings.boundaries[b]).*acts)()) work(*settings.boundaries[b], b);
 	}
-	/// The parts of a pass in turn for each block of points, with weights at their positions and an array for what one part leaves to a later one.
-	/// finish(strip, firstPoint, lastPoint): when a strip's blocks are done.
-	template <class Share, class Finish, class... Work>
-	void inBlocks(const ArraysAhead& ahead, Share&& share, Finish&& finish, const PassPart<Work>&... parts)
+	/// work(boundary, patch) with the part of the free surface that each of them has.
+	template <class Work> void overSurfaces(bool (Boundary<D>::*acts)() const, Work&& work)
 	{
-		points->strips().scatter(
-		        [&](int strip, int first, int last) {
-			        CostMeter::Sample sample = cost.sample(strip);
-			        double            left[blockSize];
-			        overBlocks(ahead, first, last, [&](const WeightBlock<D>& w) {
-				        sample.beginBlock();
-				        (parts.run(sample, w, left), ...);
-			        });
-			        finish(strip, first, last);
-		        },
-		        share);
-		cost.lapShared();
-	}
-	/// The parts of a pass in turn for each strip of points: work(strip, firstPoint, lastPoint, sample). share: empty where they add to no array that
-	/// strips share.
-	template <class... Work> void inStrips(const std::function<void(SharedRows&)>& share, const PassPart<Work>&... parts)
-	{
-		const auto work = [&](int strip, int first, int last) {
-			CostMeter::Sample sample = cost.sample(strip);
-			sample.begin();
-			(parts.run(sample, strip, first, last, sample), ...);
-		};
-		if (share) points->strips().scatter(work, share);
-		else points->strips().gather(work);
-		cost.lapShared();
-	}
-	template <class Work> void overBlocks(const ArraysAhead& ahead, int first, int last, Work&& work)
-	{
-		WeightBlock<D>               w;
-		std::array<const double*, D> x;
-		for (int a = 0; a < D; ++a)
-			x[a] = points->position(a);
-		for (int p = first; p < last; p += blockSize) {
-			shape->evaluate(grid, x, p, std::min(blockSize, last - p), w);
-			ahead.fetch(p + blockSize);
-			work(w);
-		}
+		overBoundaries(acts, [&](const Boundary<D>& boundary, std::size_t b) { work(boundary, surface->patch(b)); });
 	}
 
 	// ---- ranks ----------------------------------------------------------------------------------------------------------
-	void startBands();
-	/// Numbers by place become known to all ranks, for sums in the order of one; until keepOwnPoints().
-	template <class... Arrays> void showAll(Arrays*... arrays) const
-	{
-		if (bands) (void)std::initializer_list<int> { (arrays ? bands->shareByPoint(arrays) : void(), 0)... };
-	}
-	/// The first words that any rank has; empty if none has.
-	std::string wordsOfAny(const std::string& own) { return context().firstWords(own); }
-	std::string refusalOfBands() const;
-	void        cutBands();
+	/// Why this scene is not divided among ranks; empty where it is.
+	std::string refusalOfRanks() const;
 	/// What skeleton laws keep behind points goes where these are; moved: see SkeletonModel.
 	void followBands(bool moved);
-	/// The rows that this rank computes.
-	void chooseRows();
-	/// All numbers of the points, array by array.
-	template <class Work> void overArrays(Work&& work) const
-	{
-		PointFields& f = points->fields();
-		for (std::size_t k = 0; k < f.list().size(); ++k)
-			for (int c = 0; c < f.list()[k].components; ++c)
-				work(f.component(int(k), c));
-	}
-	/// At the beginning of a step: waits for the other ranks; collective.
-	void meetRanks();
 	/// Of points, nodes and cells only what this rank computes takes memory.
 	void          keepOwnPart();
-	void          keepOwnPoints() const;
 	const double* costOfPoints() const;
 	/// Sorts the points of all ranks, and cuts new bands; those that cross go from rank to rank. Collective.
 	void sortInBands();
-	/// All points become current here; the other ranks help when they come to their next step.
-	void        bringPoints() const;
-	std::string answer(const std::string& question) const;
-	std::string ownPoints() const;
-	void        writeOwnPoints(const FilePlace& place, PartSum& sum) const;
-	void        takePoints(const std::vector<std::string>& byRank) const;
 	/// The limits of this rank's points; in words instead if something is wrong.
 	StableTimeStep limitsOfPoints() const;
 	StableTimeStep limitsOfRanks() const;
+	std::string    ownLimits() const;
 
 	/// Of the step that goes on.
 	StepContext<D> context()
 	{
-		return { clock.dt, clock.calendar.scale * clock.dt, calendarEnd(), grid, reached, around, points->strips(), bands.get(), ledger };
+		return { clock.dt,
+			 clock.calendar.scale,
+			 clock.calendar.scale * clock.dt,
+			 calendarEnd(),
+			 grid,
+			 ranks.owned(),
+			 ranks.halo(),
+			 points->strips(),
+			 ranks.bands(),
+			 ledger };
 	}
 
-	// ---- pieces of a step -----------------------------------------------------------------------------------------------
-	void clearNodes();
-	void clearNodes(int first, int last);
-	void afterReordering(bool pointsMoved = false);
-	void locateInCells();
-	void findKeptFractions();
+	// ---- pieces of a step: beginStep ------------------------------------------------------------------------------------
 	void openStep(double dt);
-	bool heatMayRest();
-	void settleHeat();
-	/// What the step has added to the accounts of the run; collective.
-	void bookStep();
-	/// Calendar time at the end of the step.
-	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }
-	void   useScale();
+	void useScale();
 	/// Velocities of moving walls in this step. Throws, with the ground as it was before the step, if one leaves its nodes.
 	void moveWalls();
-	bool allRests() const { return heatRests && !motion; }
+	void findKeptFractions();
+	bool heatMayRest();
+	void settleHeat();
+	void sort();
+	void afterReordering(bool pointsMoved = false);
+
+	// ---- p2g ------------------------------------------------------------------------------------------------------------
+	void clearNodes();
+	void clearNodes(int first, int last);
+	void findFront(const StepContext<D>& step);
 	void findFrontStrength();
-	void findFront();
-	void mapToGrid();
-	void addStress(const WeightBlock<D>& w, CostMeter::Sample& sample);
-	void followStrain(int strip, int first, int last, CostMeter::Sample& sample);
-	void collectSurfaces();
-	void findNodalPressure();
-	void findFlows();
-	void exchangeHeat();
-	void finishTemperature();
-	void updateTemperature();
-	void evaluateBoundaries();
-	void pushByBoundaries();
-	void solveMomentum();
-	void seep();
-	void feedWater();
-	void findImplicitPressure();
-	void gatherFromGrid();
-	void finishPaths();
-	void levelCells();
-	void segregate();
-	int  updateContent(int first, int last, const CellMeans<D>* cells, CostMeter::Sample& sample);
-	void findCellPressure();
-	void closeThawStrain();
-	void compressThawed();
+	void locateInCells();
+	void mapToGrid(const StepContext<D>& step);
+	void addStress(const StepContext<D>& step, const WeightBlock<D>& w, CostMeter::Sample& sample);
+	void collectSurfaces(const StepContext<D>& step);
+
+	// ---- solveNodes -----------------------------------------------------------------------------------------------------
+	void findFlows(const StepContext<D>& step);
+	void findNodalPressure(const StepContext<D>& step);
+	void evaluateBoundaries(const StepContext<D>& step);
+	void exchangeHeat(const StepContext<D>& step);
+	void finishTemperature(const StepContext<D>& step);
+	void solveMomentum(const StepContext<D>& step);
+	void pushByBoundaries(const StepContext<D>& step);
+	void seep(const StepContext<D>& step);
+	void feedWater(const StepContext<D>& step);
+	void findImplicitPressure(const StepContext<D>& step);
+
+	// ---- g2p ------------------------------------------------------------------------------------------------------------
+	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.
+	void              requirePathsInside(const StepContext<D>& step);
+	[[noreturn]] void refuseToLeave(const StepContext<D>& step, bool stable);
+	void              gatherFromGrid(const StepContext<D>& step);
+	void              checkPositions(const StepContext<D>& step);
+
+	// ---- updateStrainAndPressure ----------------------------------------------------------------------------------------
+	void segregate(const StepContext<D>& step);
+	void levelCells(const StepContext<D>& step);
+	void updatePoints(const StepContext<D>& step);
+	void receiveWater(const StepContext<D>& step, int strip, int first, int last);
+	void followStrain(const StepContext<D>& step, int strip, int first, int last, CostMeter::Sample& sample);
+	int  updateContent(const StepContext<D>& step, int first, int last, CostMeter::Sample& sample);
+	void findCellPressure(const StepContext<D>& step);
+	void refuseImpossibleStates(const StepContext<D>& step);
+
+	// ---- updateEffectiveStress ------------------------------------------------------------------------------------------
+	void findStrainOfSoil(const StepContext<D>& step);
+	void closeThawStrain(const StepContext<D>& step);
+	void compressThawed(const StepContext<D>& step);
 	void checkCompression();
 	/// What a skeleton law throws to end the run after this step, or null.
-	std::exception_ptr updateSkeletons();
-	void               measureMotion();
-	double             signalSpeed(int place, double modulus) const;
-	double             advectionStep(int place) const;
-	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.
-	void              requirePathsInside();
-	[[noreturn]] void refuseToLeave(bool stable);
-	void              checkPositions();
-	void              refuseImpossibleStates();
-	bool              pays(CostMeter::Entry entry) const;
+	std::exception_ptr updateSkeletons(const StepContext<D>& step);
+	void               restoreStrainOfGround();
+	/// What the step has added to the accounts of the run; collective.
+	void bookStep();
+	void advanceClock();
+	void measureMotion(const StepContext<D>& step);
+
+	// ---- what holds in a step -------------------------------------------------------------------------------------------
+	/// Calendar time at the end of the step.
+	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }
+	bool   allRests() const { return heatRests && !motion; }
+	bool   conducts() const { return heat && !heatRests; }
+	bool   booksEnergy() const { return motion && settings.energyLedger; }
+	/// Cells with the water that they exchange; null: water does not move by cells.
+	const CellMeans<D>* exchangingCells() const { return water ? averagingCells() : nullptr; }
 	/// Pore pressure is known per cell at both ends of a step.
 	bool cellPressure() const { return water && averaging() && settings.water->state.massCoefficient == MassCoefficient::exact; }
 	/// Work of pore pressure is taken half with the pressure at the start and half with that at the end of a step, if both are known.
 	double startShare() const { return implicit ? 0.0 : cellPressure() ? 0.5 : 1.0; }
-	void   sort();
+	double signalSpeed(int place, double modulus) const;
+	double advectionStep(int place) const;
+	bool   pays(CostMeter::Entry entry) const;
 
 	StepTime             stepTime() const { return { clock.dt, clock.calendar.scale * clock.dt }; }
 	double               largestModulus() const;

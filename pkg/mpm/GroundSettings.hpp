@@ -106,6 +106,8 @@ struct FrontConstants {
 	double restingWeight = 0.5;
 	/// Water over what the pores hold from which on they begin to be full, and from which on they are, so that still water bears its part [-].
 	double nearlyFull = 0.97, full = 0.99;
+	/// A side with less of a node's mass than this has no velocity of its own there: the quotient would be round-off [-].
+	static constexpr double smallestMassShare = 1e-9;
 };
 
 /// The effect of two velocities where ground that ice holds meets ground that it does not, see ThawFront.

@@ -111,27 +111,28 @@ template <int D> SkeletonBatch<D> Ground<D>::Parts::arraysOfSkeletons() const
 template <int D> void Ground<D>::Parts::bindEffects()
 {
 	const int n = points->count();
+	passes.bind(grid, *points, *shape, cost);
 	if (motion) motion->bind(*points, grid);
 	if (bodies) bodies->bind(*points, *motion);
 	if (bodies && facesBodies()) bodies->allocateFaces(grid);
 	if (affine) affine->bind(*points);
 	if (motion)
-		inMotion = { points->positions(), readOnly(motion->velocity), readOnly(motion->gradient), readOnly(motion->stress),
-			     motion->mass,        points->volume(),           motion->addedStress };
+		inMotion = { points->positions(), readOnly(motion->velocity), readOnly(motion->gradient),     readOnly(motion->stress), motion->mass,
+			     points->volume(),    motion->addedStress,        readOnly(motion->displacement), motion->initialVolume };
 	if (heat) heat->bind(*points, grid);
 	if (content) {
 		content->bind(*points);
 		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
 	}
-	if (front) front->bind(*points, grid, *motion, water.get(), content->iceSaturation, { content->waterMass, content->iceMass, content->porosity });
-	if (thawStrain) thawStrain->bind(*points, *motion, content->iceSaturation, grid.cellCount());
+	if (front) front->bind(*points, grid, bool(water));
+	if (thawStrain) thawStrain->bind(*points, grid.cellCount());
 	if (segregation) {
 		segregation->bind(*points, grid.cellCount());
 		heat->keepOutside(grid);
 		content->holdExcessIce(segregation->volume, segregation->iceMass);
 	}
-	if (compression) compression->bind(*points, *motion, content->porosity, content->iceSaturation, grid.cellCount());
-	if (calendar) calendar->bind(*points, *motion, *heat);
+	if (compression) compression->bind(*points, content->porosity, content->iceSaturation, grid.cellCount());
+	if (calendar) calendar->bind(*points);
 	if (motion) skeletons.bind(settings.skeletons, *points, arraysOfSkeletons());
 	shareRecords();
 	if (surface) {
@@ -152,27 +153,27 @@ template <int D> void Ground<D>::Parts::bindEffects()
 template <int D> void Ground<D>::Parts::listReadArrays()
 {
 	const auto reads = [](ArraysAhead& ahead, const auto&... arrays) { (ahead.add(arrays), ...); };
-	for (ArraysAhead* ahead : { &read.toGrid, &read.flows, &read.seepage, &read.toPoints })
+	for (ArraysAhead* ahead : { &passes.toGrid, &passes.flows, &passes.seepage, &passes.toPoints })
 		reads(*ahead, points->positions());
 	if (motion) {
-		reads(read.toGrid, motion->mass, motion->volume, motion->velocity, motion->stress, motion->addedStress);
-		reads(read.toPoints, motion->velocity, motion->displacement, motion->gradient);
+		reads(passes.toGrid, motion->mass, motion->volume, motion->velocity, motion->stress, motion->addedStress);
+		reads(passes.toPoints, motion->velocity, motion->displacement, motion->gradient);
 	}
-	if (averaging()) reads(read.toPoints, motion->volume);
+	if (averaging()) reads(passes.toPoints, motion->volume);
 	if (heat) {
-		reads(read.toGrid, heat->share, heat->temperature);
-		reads(read.flows, heat->volume, heat->conductivity, heat->share, heat->temperature);
-		reads(read.toPoints, heat->enthalpy, heat->share, heat->temperature);
+		reads(passes.toGrid, heat->capacityWeight, heat->temperature);
+		reads(passes.flows, heat->volume, heat->conductivity, heat->capacityWeight, heat->temperature);
+		reads(passes.toPoints, heat->enthalpy, heat->capacityWeight, heat->temperature);
 	}
-	if (heat && surface) reads(read.toGrid, heat->conductivity);
+	if (heat && surface) reads(passes.toGrid, heat->conductivity);
 	if (water) {
-		reads(read.toGrid, water->velocity, water->pressure, water->liquidFraction, water->drag, content->waterMass, content->iceMass);
-		reads(read.seepage, points->volume(), water->velocity, heat ? heat->temperature : nullptr);
-		reads(read.toPoints, water->velocity, content->waterMass, content->iceMass);
+		reads(passes.toGrid, water->velocity, water->pressure, water->liquidFraction, water->drag, content->waterMass, content->iceMass);
+		reads(passes.seepage, points->volume(), water->velocity, heat ? heat->temperature : nullptr);
+		reads(passes.toPoints, water->velocity, content->waterMass, content->iceMass);
 	}
-	if (water && !heat) reads(read.flows, points->volume());
+	if (water && !heat) reads(passes.flows, points->volume());
 	if (averaging() && water)
-		for (ArraysAhead* ahead : { &read.toGrid, &read.toPoints })
+		for (ArraysAhead* ahead : { &passes.toGrid, &passes.toPoints })
 			reads(*ahead, cells->cells());
 }
 
@@ -181,28 +182,28 @@ template <int D> void Ground<D>::Parts::fillPoints()
 {
 	const int n = points->count();
 	for (int id = 0; id < n; ++id) {
-		const double fill = point(id).poreFill;
+		const double fill = given.at(id).poreFill;
 		if (std::isnan(fill)) continue;
-		if (pointFill.empty()) pointFill.assign(n, settings.usedPoreFill());
-		pointFill[id] = fill;
+		if (given.fill.empty()) given.fill.assign(n, settings.usedPoreFill());
+		given.fill[id] = fill;
 	}
 	points->strips().parallel = n >= settings.parallelFrom;
-	points->arrange(grid, [&](int id) { return point(id).position; });
+	points->arrange(grid, [&](int id) { return given.at(id).position; });
 	for (int p = 0; p < n; ++p) {
-		const PointInput<D> in = point(points->id(p));
+		const PointInput<D> in = given.at(points->id(p));
 		points->skeletons()[p] = in.skeleton;
 		if (points->materials()) points->materials()[p] = std::uint16_t(in.material);
 	}
-	startBands();
+	ranks.start(grid, *points, refusalOfRanks(), [this] { return ownLimits(); });
 	for (int p = points->strips().firstPoint(); p < points->strips().endPoint(); ++p)
-		fillPoint(p, point(points->id(p)), fillOf(points->id(p)));
+		fillPoint(p, given.at(points->id(p)), fillOf(points->id(p)));
 	clock.range = ActiveRange::of(grid, *points);
 	afterReordering();
 }
 
 template <int D> void Ground<D>::Parts::placePoints()
 {
-	points->allocate(given);
+	points->allocate(given.count);
 	if (settings.materials.size() > 1) points->distinguishMaterials();
 	bindEffects();
 	fillPoints();
@@ -216,17 +217,17 @@ template <int D> void Ground<D>::Parts::placePoints()
 	if (content) {
 		const int   failed = content->update(first, end, contentOf());
 		std::string words;
-		if (failed < end) words = whereabouts(*points, failed, clock.steps) + " cannot exist: " + content->whyImpossible(failed, heat.get());
-		words = wordsOfAny(words);
+		if (failed < end) words = whereabouts(*points, failed, clock.steps) + " cannot exist: " + whyImpossible(failed);
+		words = context().firstWords(words);
 		if (!words.empty()) throw std::invalid_argument(words);
 	}
 	if (heat) {
-		showAll(heat->heatCapacity, heat->volume, heat->conductivity);
+		ranks.showAll(heat->heatCapacity, heat->volume, heat->conductivity);
 		heat->chooseSmoothing(grid, n);
 	}
-	if (front) front->start(first, end);
-	if (thawStrain) thawStrain->start(first, end);
-	if (compression) compression->start(first, end);
+	if (front) front->start(first, end, content->iceSaturation);
+	if (thawStrain) thawStrain->start(first, end, content->iceSaturation);
+	if (compression) compression->start(first, end, inMotion);
 }
 
 /// Nodal numbers of heat lie in the records of other effects as far as these have columns for them, so that one pass over the points serves all.
@@ -255,19 +256,19 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	if (!surface) return;
 	clearNodes();
 	locateInCells();
-	scatter(
-	        read.toGrid, [&](const WeightBlock<D>& w) { surface->map(w); },
+	passes.scatter(
+	        passes.toGrid, [&](const WeightBlock<D>& w) { surface->map(w); },
 	        [&](SharedRows& rows) {
 		        rows.beyond = true;
 		        rows.nodes(surface->nodes);
 	        });
-	surface->collect(grid, *cells, around);
+	surface->collect(grid, *cells, ranks.halo());
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b) {
 		const Boundary<D>& boundary = *settings.boundaries[b];
 		// a cavity may come later, with the body that makes it, and a body may come from outside
 		if (!boundary.usesSurface() || boundary.region().cavities || boundary.region().kind == Region<D>::Kind::bodies) continue;
 		const bool found = !surface->patch(b).nodes.empty();
-		if (bands ? bands->anyOf(found) : found) continue;
+		if (context().onAnyRank(found)) continue;
 		throw std::invalid_argument(
 		        "MpmEngine.boundaries[" + std::to_string(b) + "] = " + boundary.name() + " on " + boundary.region().describe()
 		        + ": no ground there; the free surface needs at least one empty row of cells between the ground and the box, and a layer on a wall "
@@ -282,8 +283,8 @@ template <int D> double Ground<D>::Parts::largestModulus() const
 	double        largest = 0.0;
 	for (int p = strips.firstPoint(); p < strips.endPoint(); ++p)
 		largest = std::max(largest, scratch[p]);
-	if (bands)
-		for (const double ofRank : bands->byRank(largest))
+	if (ranks)
+		for (const double ofRank : ranks.bands()->byRank(largest))
 			largest = std::max(largest, ofRank);
 	return largest;
 }
@@ -292,11 +293,11 @@ template <int D> void Ground<D>::Parts::beginSkeletons()
 {
 	for (int k = 0; k < skeletons.count(); ++k) {
 		SkeletonModel<D>& model = skeletons.law(k);
-		if (!bands || !model.beginsWithAll()) {
+		if (!ranks || !model.beginsWithAll()) {
 			model.initialise(skeletons.batch(k, stepTime()));
 			continue;
 		}
-		if (content) showAll(content->iceSaturation);
+		if (content) ranks.showAll(content->iceSaturation);
 		model.initialise(skeletons.batch(skeletons.placesOfAll(k), stepTime()));
 	}
 }
@@ -312,7 +313,7 @@ template <int D> void Ground<D>::Parts::checkCompression()
 		for (const int p : skeletons.places(k))
 			if (words.empty()) words = compression->fault(skeletons.law(k).name(), p);
 	}
-	words = wordsOfAny(words);
+	words = context().firstWords(words);
 	if (!words.empty()) throw std::invalid_argument(words);
 }
 
@@ -320,8 +321,8 @@ template <int D> void Ground<D>::Parts::checkCompression()
 template <int D> double Ground<D>::Parts::initialMass() const
 {
 	if (!motion) return 0.0;
-	showAll(motion->mass);
-	if (water) showAll(content->waterMass, content->iceMass);
+	ranks.showAll(motion->mass);
+	if (water) ranks.showAll(content->waterMass, content->iceMass);
 	double sum = 0.0;
 	for (int p = 0; p < points->count(); ++p)
 		sum += motion->mass[p] + (water ? content->waterMass[p] - (content->iceMass ? content->iceMass[p] : 0.0) : 0.0);
@@ -331,14 +332,14 @@ template <int D> double Ground<D>::Parts::initialMass() const
 template <int D> int Ground<D>::addPoint(const PointInput<D>& point)
 {
 	if (parts_->ready) throw std::logic_error("addPoint: points are added before initialise()");
-	parts_->inputs.push_back(point);
-	return int(parts_->inputs.size()) - 1;
+	parts_->given.list.push_back(point);
+	return int(parts_->given.list.size()) - 1;
 }
 
 template <int D> void Ground<D>::takePoints(int count, std::function<PointInput<D>(int)> point)
 {
-	parts_->given = count;
-	parts_->point = std::move(point);
+	parts_->given.count = count;
+	parts_->given.at    = std::move(point);
 }
 
 template <int D> void Ground<D>::initialise()
@@ -348,8 +349,8 @@ template <int D> void Ground<D>::initialise()
 	g.grid = Grid<D>(g.settings.lower, g.settings.upper, g.settings.gridSpacing);
 	checkSettings(g.settings);
 	checkBoundaries(g.settings, g.grid);
-	if (!g.point) takePoints(int(g.inputs.size()), [&g](int id) { return g.inputs[id]; });
-	checkPoints(g.settings, g.grid, g.given, g.point);
+	if (!g.given.at) takePoints(int(g.given.list.size()), [&g](int id) { return g.given.list[id]; });
+	checkPoints(g.settings, g.grid, g.given.count, g.given.at);
 	g.shape = makeShapeFunction<D>(g.settings.shapeFunction);
 	g.declareFields();
 	g.placePoints();
@@ -366,16 +367,16 @@ template <int D> void Ground<D>::initialise()
 		if (balanced) g.requireBalancedStress(before);
 		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
 		if (g.water) g.water->chooseLargestConductivity(g.content->smallestReferencePorosity());
-		if (g.calendar) g.calendar->measure(g.clock.calendar, g.points->strips(), nullptr, g.reached, g.grid, g.settings.heatFraction);
+		if (g.calendar) g.calendar->measure(g.context(), g.inMotion, g.conducting(), nullptr, g.settings.heatFraction, g.clock.calendar);
 		g.clock.initialMass = g.initialMass();
 	}
 	g.useScale();
 	for (int p = g.points->strips().firstPoint(); g.water && p < g.points->strips().endPoint(); ++p)
 		g.water->drag[p] /= g.content->seepageScale(p);
-	g.point = nullptr;
-	g.inputs.clear();
-	g.inputs.shrink_to_fit();
-	if (g.bands) g.keepOwnPoints();
+	g.given.at = nullptr;
+	g.given.list.clear();
+	g.given.list.shrink_to_fit();
+	if (g.ranks) g.ranks.keepOwnPoints();
 	g.ready = true;
 }
 

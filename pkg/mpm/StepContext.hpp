@@ -14,9 +14,10 @@ namespace talik {
 /// What a step is for every effect: how long it takes, on which part of the grid and of the points, and where it is booked. What an effect reads
 /// and writes besides are arguments of its calls.
 template <int D> struct StepContext {
-	double             dt;          ///< Delta t [s of motion]
-	double             calendarDt;  ///< Delta t_c, time of slow processes that passes in the step [s]
-	double             calendarEnd; ///< calendar time at the end of the step [s]
+	double             dt;            ///< Delta t [s of motion]
+	double             calendarScale; ///< calendar time per time of motion in the step [-]
+	double             calendarDt;    ///< Delta t_c, time of slow processes that passes in the step [s]
+	double             calendarEnd;   ///< calendar time at the end of the step [s]
 	const Grid<D>&     grid;
 	const ActiveRange& owned;  ///< rows of nodes and cells that the points of this rank touch
 	const ActiveRange& halo;   ///< the same rows and those of the neighbours that are needed to solve there

@@ -199,7 +199,7 @@ template <int D> double seepagePairError(bool averaged)
 		}
 	g.forBlocks([&](const WeightBlock<D>& w) { g.water.seep(w, g.dt, rho, nullptr); });
 	StepLedger<D>        ledger(g.grid);
-	const StepContext<D> step { g.dt, g.dt, g.dt, g.grid, g.range, g.range, g.points.strips(), nullptr, ledger };
+	const StepContext<D> step { g.dt, 1.0, g.dt, g.dt, g.grid, g.range, g.range, g.points.strips(), nullptr, ledger };
 	g.water.drain(step, surface.patch(0), true, { rho, nullptr }, nullptr);
 	g.water.finishExchange(g.range);
 	g.forBlocks([&](const WeightBlock<D>& w) { g.water.gather(w, g.field(g.waterMass), nullptr, cells); });

@@ -1,37 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/Vector.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
+#include <pkg/mpm/points/PointsInMotion.hpp>
 #include <pkg/mpm/StepContext.hpp>
 
-#include <array>
 #include <limits>
 #include <string>
 
 namespace talik {
 
 template <int D> struct GroundSettings;
-
-/// The moving points as an effect sees them: arrays by place, of all points. Between two sortings a place belongs to one point.
-template <int D> struct PointsInMotion {
-	std::array<const double*, D>             position;
-	std::array<const double*, D>             velocity; ///< of the solid [m/s]
-	std::array<const double*, D * D>         gradient; ///< displacement gradient of the last step, Delta t dv_i/dx_j at [i*D+j] [-], with B-bar
-	std::array<const double*, stressSize<D>> stress;   ///< effective, tension positive [Pa]
-	const double*                            mass;     ///< that moves with the solid [kg]
-	const double*                            volume;   ///< [m^D]
-	double* addedStress; ///< added to each normal stress by the momentum balance [Pa], tension positive; null: see addsStress()
-
-	/// Of the displacement gradient of a point: its volumetric strain in the step [-].
-	double trace(int place) const
-	{
-		double sum = gradient[0][place];
-		for (int a = 1; a < D; ++a)
-			sum += gradient[a * D + a][place];
-		return sum;
-	}
-};
 
 /// An effect of moving ground that a scene may have, beside those that Ground calls by name; see "How to add an effect" in pkg/mpm/how-to.md.
 /// It overrides what it needs. Loops over strips call it from several threads, each with points of its own.

@@ -8,10 +8,6 @@
 namespace talik {
 
 namespace {
-	// A front within a cell changes the phase of a few points, and the heat that reaches it is meant for them: shared by sensible
-	// capacity most of it would overcool (or overheat) their neighbours first, and a front that freezes would lag by h/3. Shared
-	// by the whole apparent capacity the front would run in jumps from point to point, ahead of the heat that it needs.
-	constexpr double largestShare = 3.0;
 	// A node takes the temperature of a heated region at this rate over h^2 C/kappa, times the share of it that lies there. The edge is
 	// then where it is: held faster, what lies outside would be held with it, and more slowly, ground inside would not follow.
 	constexpr double holding = 12.0;
@@ -25,7 +21,7 @@ HeatTransfer<D>::HeatTransfer(PointFields& fields, const HeatSettings& heat, boo
 	temperature_  = fields.declare("temperature", "heat", "degC", 1);
 	heatCapacity_ = fields.declare("heatCapacity", "heat", "J/K", 1);
 	conductivity_ = fields.declare("conductivity", "heat", "W/(m K)", 1);
-	if (freezing) share_ = fields.declare("heatShare", "freezing", "J/K", 1);
+	if (freezing) weight_ = fields.declare("heatShare", "freezing", "J/K", 1);
 }
 
 template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid)
@@ -35,7 +31,7 @@ template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Gri
 	temperature    = f.component(temperature_);
 	heatCapacity   = f.component(heatCapacity_);
 	conductivity   = f.component(conductivity_);
-	share          = share_ < 0 ? heatCapacity : f.component(share_);
+	capacityWeight = weight_ < 0 ? heatCapacity : f.component(weight_);
 	volume         = points.volume();
 	for (int a = 0; a < D; ++a)
 		position_[a] = points.position(a);
@@ -101,15 +97,6 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 	if (!produced_.empty()) volumes.allocate(grid.nodeCount());
 }
 
-template <int D> void HeatTransfer<D>::limitShares(int first, int count)
-{
-	double* const       limited  = share + first;
-	const double* const sensible = heatCapacity + first;
-#pragma GCC ivdep
-	for (int k = 0; k < count; ++k)
-		limited[k] = std::min(std::max(limited[k], sensible[k]), largestShare * sensible[k]);
-}
-
 template <int D> bool HeatTransfer<D>::receivesNothing(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time) const
 {
 	if (settings->source != 0.0) return false;
@@ -147,8 +134,8 @@ template <int D> void HeatTransfer<D>::map(const WeightBlock<D>& w)
 	if (carried_) return;
 	double values[2][blockSize];
 	for (int k = 0; k < w.count; ++k) {
-		values[0][k] = share[w.first + k];
-		values[1][k] = share[w.first + k] * (temperature[w.first + k] - reference);
+		values[0][k] = capacityWeight[w.first + k];
+		values[1][k] = capacityWeight[w.first + k] * (temperature[w.first + k] - reference);
 	}
 	nodeLoops<D>().mapPair(w, values, nodes[0]);
 }
@@ -158,7 +145,7 @@ template <int D> void HeatTransfer<D>::mapMoments(const WeightBlock<D>& w)
 	for (int k = 0; k < w.count; ++k) {
 		Vec<D> cx;
 		for (int a = 0; a < D; ++a)
-			cx[a] = share[w.first + k] * position_[a][w.first + k];
+			cx[a] = capacityWeight[w.first + k] * position_[a][w.first + k];
 		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
 			for (int a = 0; a < D; ++a)
 				moments[node][a] += s * cx[a];
@@ -193,9 +180,11 @@ template <int D> void HeatTransfer<D>::mirrorWalls(const Grid<D>& grid, const Ac
 	}
 }
 
-template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid, const ActiveRange& range, double dt)
+template <int D> void HeatTransfer<D>::prescribe(const StepContext<D>& step)
 {
-	const double h = grid.spacing();
+	const Grid<D>&     grid  = step.grid;
+	const ActiveRange& range = step.halo;
+	const double       h     = grid.spacing();
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
 		const TemperatureNode& n = prescribed_[k];
 		expected_[k]             = wanted_[k];
@@ -211,7 +200,7 @@ template <int D> void HeatTransfer<D>::prescribe(const Grid<D>& grid, const Acti
 		// away from the wall's temperature no faster than what the grid does not see dies out: irregular points would drive each
 		// other up, step by step, however short the steps
 		const double mean     = nodes[n.node][1] / nodes[n.node][0];
-		const double farthest = mean + (mean - wanted_[k]) * smoothing(dt);
+		const double farthest = mean + (mean - wanted_[k]) * smoothing(step);
 		expected_[k]          = std::clamp(wanted_[k] + gradient * ahead, std::min(wanted_[k], farthest), std::max(wanted_[k], farthest));
 		nodal[n.inner][0]     = wanted_[k] + gradient * h;
 	}
@@ -237,7 +226,7 @@ template <int D> void HeatTransfer<D>::nodalTemperature(const StepContext<D>& st
 	mirrorWalls(step.grid, range);
 	for (int i : affected_)
 		if (range.holds(i)) nodal[i][0] = nodes[i][0] > 0.0 ? nodes[i][1] / nodes[i][0] : 0.0;
-	prescribe(step.grid, range, step.dt);
+	prescribe(step);
 	if (!outside.ownsRecords()) return;
 	clearOutside(range);
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
@@ -264,19 +253,21 @@ template <int D> void HeatTransfer<D>::clearOutside(const ActiveRange& range)
 	range.overNodes([&](int, int first, int last) { outside.clear(first, last); });
 }
 
-template <int D> typename NodeLoops<D>::HeatFlow HeatTransfer<D>::flow(double dt) const
+template <int D> typename NodeLoops<D>::HeatFlow HeatTransfer<D>::flow(const StepContext<D>& step) const
 {
-	const double scaled = dt * scale;
-	return { volume, conductivity, share, temperature, scaled, scaled * settings->source, reference };
+	return { volume, conductivity, capacityWeight, temperature, step.calendarDt, step.calendarDt * settings->source, reference };
 }
 
-template <int D> void HeatTransfer<D>::conduct(const WeightBlock<D>& w, double dt) { nodeLoops<D>().flowHeat(w, flow(dt), nodal[0], energy[0]); }
+template <int D> void HeatTransfer<D>::conduct(const StepContext<D>& step, const WeightBlock<D>& w)
+{
+	nodeLoops<D>().flowHeat(w, flow(step), nodal[0], energy[0]);
+}
 
 template <int D> void HeatTransfer<D>::produce(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
 {
 	for (const ProducingNode& n : produced_) {
 		if (!step.halo.holds(n.node)) continue;
-		const double gained = step.dt * scale * boundaries[n.boundary]->powerAt(step.calendarEnd, n.number) * n.share * volumes[n.node][0];
+		const double gained = step.calendarDt * boundaries[n.boundary]->powerAt(step.calendarEnd, n.number) * n.share * volumes[n.node][0];
 		energy[n.node][0] += gained;
 		step.ledger.ofNode(n.node).heatIn += gained;
 	}
@@ -294,16 +285,16 @@ void HeatTransfer<D>::exchange(const StepContext<D>& step, const Boundary<D>& bo
 		const double      area = lengthOf<D>(n.area);
 		// resistance of a quarter of a cell between the surface and the node that stands for it, that of the air in series
 		const double ground      = 4.0 * surface.conductivity(n.node) / step.grid.spacing();
-		const double coefficient = scale * (heat.atSurface ? ground : ground * heat.coefficient / (ground + heat.coefficient));
+		const double coefficient = step.calendarScale * (heat.atSurface ? ground : ground * heat.coefficient / (ground + heat.coefficient));
 		const double predicted   = mapped[n.node][0] + energy[n.node][0] / capacity;
 		const double conductance = dt * coefficient * area;
-		const double gained      = conductance * (heat.ambient - predicted) / (1.0 + conductance / capacity) + dt * scale * heat.flux * area;
+		const double gained      = conductance * (heat.ambient - predicted) / (1.0 + conductance / capacity) + step.calendarDt * heat.flux * area;
 		energy[n.node][0] += gained;
 		step.ledger.ofNode(n.node).heatIn += gained;
 		if (outside.ownsRecords() && area > 0.0)
 			addOutside(
-			        n.node, n.area, mapped[n.node][0] + energy[n.node][0] / capacity + gained / (dt * scale * ground * area),
-			        -gained / (dt * scale));
+			        n.node, n.area, mapped[n.node][0] + energy[n.node][0] / capacity + gained / (step.calendarDt * ground * area),
+			        -gained / (step.calendarDt));
 	}
 }
 
@@ -312,7 +303,7 @@ template <int D> void HeatTransfer<D>::hold(const StepContext<D>& step, const st
 	for (const HeldNode& n : held_) {
 		if (!step.halo.holds(n.node) || !(nodes[n.node][0] > 0.0) || isPrescribed_[n.node]) continue;
 		const double predicted = (nodes[n.node][1] + energy[n.node][0]) / nodes[n.node][0];
-		const double taken     = n.rate * scale * step.dt / diffusionTime_;
+		const double taken     = n.rate * step.calendarScale * step.dt / diffusionTime_;
 		const double wanted    = boundaries[n.boundary]->temperatureAt(step.calendarEnd, n.number) - reference;
 		const double gained    = nodes[n.node][0] * (wanted - predicted) * taken / (1.0 + taken);
 		energy[n.node][0] += gained;
@@ -347,7 +338,7 @@ template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, c
 
 	// T + chi (1 - A)(B - 1) T, A = to the grid and back, B = A with wall temperatures kept: what the grid does not see decays,
 	// the gradient at a wall and the sum of C T stay
-	smoothed_        = smoothing(step.dt);
+	smoothed_        = smoothing(step);
 	const double chi = smoothed_;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
@@ -367,7 +358,7 @@ template <int D> void HeatTransfer<D>::warm(int first, int count, const double* 
 {
 	const double        smoothed = smoothed_, from = reference;
 	double* const       h      = enthalpy + first;
-	const double* const weight = share + first;
+	const double* const weight = capacityWeight + first;
 	const double* const t      = temperature + first;
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k)

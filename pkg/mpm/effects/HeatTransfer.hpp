@@ -34,8 +34,6 @@ public:
 	/// Fixes the smoothing time from the state of the points, if the settings leave it open.
 	void chooseSmoothing(const Grid<D>& grid, int points);
 
-	/// Shares of count points from first on, which hold dH/dT, are kept between the sensible capacity and three times that.
-	TALIK_PROCESSOR_VERSIONS void limitShares(int first, int count);
 	/// At the start of a step: nodes count temperatures from that of one point. Ground of one temperature then conducts exactly
 	/// nothing, and its heat may rest without a bit being different.
 	void setReference(double value) { reference = value; }
@@ -59,14 +57,14 @@ public:
 		const auto keep = [&](auto&... fields) { (fields.keepOnly(first, last), ...); };
 		keep(nodes, capacity, mapped, nodal, energy, noise, rise, moments, volumes, received_, outside);
 	}
-	/// Adds shares and their heat of a block to the nodes, unless motion or water maps them along.
+	/// Adds capacity weights and their heat of a block to the nodes, unless motion or water maps them along.
 	void map(const WeightBlock<D>& w);
 	/// Nodal temperatures from the mapped sums, prescribed ones at their nodes.
 	void nodalTemperature(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
-	/// Shares, for motion or water to map along with the temperature, or null.
-	const double* carriedShare() const { return carried_ ? share : nullptr; }
+	/// Capacity weights, for motion or water to map along with the temperature, or null.
+	const double* carriedWeight() const { return carried_ ? capacityWeight : nullptr; }
 	/// Conduction of a step as the loops over nodes see it.
-	typename NodeLoops<D>::HeatFlow flow(double dt) const;
+	typename NodeLoops<D>::HeatFlow flow(const StepContext<D>& step) const;
 	/// What map() adds to, but for records of motion or water.
 	void shareMapped(SharedRows& rows)
 	{
@@ -81,8 +79,8 @@ public:
 		rows.nodes(noise);
 		rows.nodes(received_);
 	}
-	/// Adds the heat that conduction and sources bring to the nodes in dt.
-	void conduct(const WeightBlock<D>& w, double dt);
+	/// Adds the heat that conduction and sources bring to the nodes in the step.
+	void conduct(const StepContext<D>& step, const WeightBlock<D>& w);
 	/// Heat of the regions that produce it, eq. (9.7).
 	void produce(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 	/// Heat of a surface patch, implicit in the temperature of each node.
@@ -95,9 +93,8 @@ public:
 
 	const HeatSettings* settings;
 	double *            enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
-	double*             share; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
+	double* capacityWeight; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
 
-	double scale     = 1.0; ///< calendar time per time of motion in this step [-]
 	double reference = 0.0; ///< T_r from which nodal temperatures count, but for mapped [degC]
 
 	NodeField<2> nodes;    ///< C, C (T - T_r); near walls those of the ground and its mirror image
@@ -121,13 +118,13 @@ private:
 	void mapMoments(const WeightBlock<D>& w);
 	void mapVolumes(const WeightBlock<D>& w);
 	void mirrorWalls(const Grid<D>& grid, const ActiveRange& range);
-	void prescribe(const Grid<D>& grid, const ActiveRange& range, double dt);
+	void prescribe(const StepContext<D>& step);
 	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
 	void                          hold(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
-	double                        smoothing(double dt) const { return -std::expm1(-dt * scale / smoothingTime); }
+	double                        smoothing(const StepContext<D>& step) const { return -std::expm1(-step.calendarDt / smoothingTime); }
 
-	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, share_ = -1;
+	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, weight_ = -1;
 	std::vector<TemperatureNode> prescribed_;
 	std::vector<char>            isPrescribed_;
 	struct HeldNode {

@@ -552,9 +552,9 @@ void MomentumSolver<D>::solve(
 	const bool         damped = motion.settings->localDamping > 0.0;
 	rememberWalls(range, motion, water);
 	if (front) {
-		front->addGravity();
+		front->addGravity(motion.settings->gravity);
 		for (const Load& load : loads_)
-			front->addLoad(load.node, load.force);
+			front->addLoad(load.node, motion.nodes[load.node][motion.massAt], load.force);
 	}
 	fold(range, motion, water, dt);
 	pushAhead(motion, water, dt);
@@ -566,7 +566,7 @@ void MomentumSolver<D>::solve(
 		constrainDry(range, motion);
 	}
 	if (!moving_.empty()) carry(range, motion, water, dt);
-	if (front) front->solve(constraints_, mirrors_, range, dt, ledger);
+	if (front) front->solve(step, motion, water, constraints_, mirrors_);
 	unfold(range, motion, water, dt);
 	if (water) findFlux(range, motion, *water);
 	if (change) change();

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/effects/HeatTransfer.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
-#include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +12,10 @@ namespace talik {
 namespace {
 	// Pore space below this fraction of the volume means that the ground was crushed, not that it is dense.
 	constexpr double smallestPorosity = 1e-3;
+	// A front within a cell changes the phase of a few points, and the heat that reaches it is meant for them: divided by sensible
+	// capacity most of it would overcool (or overheat) their neighbours first, and a front that freezes would lag by h/3. Divided
+	// by the whole apparent capacity the front would run in jumps from point to point, ahead of the heat that it needs.
+	constexpr double largestWeight = 3.0;
 } // namespace
 
 template <int D>
@@ -55,14 +56,16 @@ template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points)
 	points_        = &points;
 }
 
-template <int D> void PoreContent<D>::useScale(PoreWater<D>& water, double f)
+template <int D> SeepageScales PoreContent<D>::useScale(double f, const PoreWater<D>& water)
 {
-	water.scale = water.fastest = water.usedScale(f, materials_.front().permeability);
+	const double  first = water.usedScale(f, materials_.front().permeability);
+	SeepageScales all { first, first };
 	for (Material& m : materials_) {
 		m.seepageScale = water.usedScale(f, m.permeability);
-		water.scale    = std::min(water.scale, m.seepageScale);
-		water.fastest  = std::max(water.fastest, m.seepageScale);
+		all.smallest   = std::min(all.smallest, m.seepageScale);
+		all.largest    = std::max(all.largest, m.seepageScale);
 	}
+	return all;
 }
 
 template <int D> double PoreContent<D>::smallestReferencePorosity() const
@@ -73,11 +76,11 @@ template <int D> double PoreContent<D>::smallestReferencePorosity() const
 	return smallest;
 }
 
-template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double givenTemperature, double pressure, double poreFill, const Effects& of)
+template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double givenTemperature, double pressure, double poreFill, const PointArrays& of)
 {
 	const Material&          material = this->of(p);
 	const MixtureProperties& mixture  = material.mixture;
-	const double             t        = of.heat ? givenTemperature : mixture.referenceTemperature;
+	const double             t        = of.hasHeat() ? givenTemperature : mixture.referenceTemperature;
 	const double             sl       = material.enthalpy.curve().liquidSaturation(t);
 	const double             vp       = givenPorosity * volume_[p];
 	const PoreWaterState     state    = settings_->water ? settings_->water->state : PoreWaterState {};
@@ -87,24 +90,24 @@ template <int D> void PoreContent<D>::fill(int p, double givenPorosity, double g
 	waterMass[p] = poreFill * state.waterMass(mixture, settings_->water ? pressure : 0.0, sl, vp, t);
 
 	const ThermalState thermal = material.enthalpy.stateAt({ solidMass[p], waterMass[p], vp }, t);
-	if (of.heat) {
-		of.heat->temperature[p]  = t;
-		of.heat->enthalpy[p]     = material.enthalpy.enthalpy({ solidMass[p], waterMass[p], vp }, t);
-		of.heat->heatCapacity[p] = thermal.heatCapacity;
+	if (of.hasHeat()) {
+		of.heat.temperature[p]  = t;
+		of.heat.enthalpy[p]     = material.enthalpy.enthalpy({ solidMass[p], waterMass[p], vp }, t);
+		of.heat.heatCapacity[p] = thermal.heatCapacity;
 	}
 	if (iceMass) {
 		iceMass[p]       = thermal.iceMass;
 		iceSaturation[p] = 1.0 - thermal.liquidSaturation;
 	}
-	if (of.water) {
-		of.water->pressure[p]       = pressure;
-		of.water->liquidFraction[p] = (waterMass[p] - thermal.iceMass) / (mixture.liquid.density * volume_[p]);
+	if (of.hasWater()) {
+		of.water.pressure[p]       = pressure;
+		of.water.liquidFraction[p] = (waterMass[p] - thermal.iceMass) / (mixture.liquid.density * volume_[p]);
 	}
 	if (lastVolume_) {
 		lastVolume_[p] = volume_[p];
 		lastWater_[p]  = waterMass[p];
 	}
-	if (of.motion) of.motion->mass[p] = solidMass[p] + (of.water ? thermal.iceMass : waterMass[p]);
+	if (of.hasSolid()) of.solid.mass[p] = solidMass[p] + (of.hasWater() ? thermal.iceMass : waterMass[p]);
 }
 
 /// As many points as a block takes, up to the last or the first of another material.
@@ -118,9 +121,9 @@ template <int D> void PoreContent<D>::choosePoints(Block& b, int last) const
 	b.count                 = int(std::find_if(begin, begin + b.count, [&](std::uint16_t m) { return m != *begin; }) - begin);
 }
 
-template <int D> void PoreContent<D>::load(Block& b, const HeatTransfer<D>* heat) const
+template <int D> void PoreContent<D>::load(Block& b, const double* temperature) const
 {
-	if (heat) std::copy_n(heat->temperature + b.first, b.count, b.temperature);
+	if (temperature) std::copy_n(temperature + b.first, b.count, b.temperature);
 	else std::fill_n(b.temperature, b.count, b.of->mixture.referenceTemperature);
 	if (iceMass) {
 		std::copy_n(iceMass + b.first, b.count, b.ice);
@@ -148,7 +151,7 @@ template <int D> void PoreContent<D>::findPoreVolume(Block& b) const
 		b.poreVolume[k] = volume[k] - solid[k] / m.densityAt(m.solid, b.temperature[k]);
 }
 
-template <int D> void PoreContent<D>::solveTemperature(Block& b, HeatTransfer<D>& heat) const
+template <int D> void PoreContent<D>::solveTemperature(Block& b, const OfHeat& heat) const
 {
 	if (excessVolume_ && hasExcessIce(b)) return solveWithExcessIce(b, heat);
 	EnthalpyBatch batch;
@@ -161,9 +164,18 @@ template <int D> void PoreContent<D>::solveTemperature(Block& b, HeatTransfer<D>
 	batch.liquidSaturation = b.liquidSaturation;
 	batch.iceMass          = b.ice;
 	batch.heatCapacity     = heat.heatCapacity + b.first;
-	batch.apparentCapacity = iceMass ? heat.share + b.first : nullptr;
+	batch.apparentCapacity = iceMass ? heat.capacityWeight + b.first : nullptr;
 	b.of->enthalpy.temperatures(batch);
-	if (iceMass) heat.limitShares(b.first, b.count);
+	if (iceMass) limitWeights(b, heat);
+}
+
+template <int D> void PoreContent<D>::limitWeights(const Block& b, const OfHeat& heat) const
+{
+	double* const       limited  = heat.capacityWeight + b.first;
+	const double* const sensible = heat.heatCapacity + b.first;
+#pragma GCC ivdep
+	for (int k = 0; k < b.count; ++k)
+		limited[k] = std::min(std::max(limited[k], sensible[k]), largestWeight * sensible[k]);
 }
 
 template <int D> bool PoreContent<D>::hasExcessIce(const Block& b) const
@@ -172,7 +184,7 @@ template <int D> bool PoreContent<D>::hasExcessIce(const Block& b) const
 }
 
 /// Excess ice that is frozen is as inert as grains: it has heat, takes none of the freezing curve, and is no part of the pores.
-template <int D> void PoreContent<D>::solveWithExcessIce(Block& b, HeatTransfer<D>& heat) const
+template <int D> void PoreContent<D>::solveWithExcessIce(Block& b, const OfHeat& heat) const
 {
 	const MixtureProperties& m    = b.of->mixture;
 	const double             most = 1.0 - EnthalpyModel::residualWaterFraction, asGrains = m.ice.specificHeat / m.solid.specificHeat;
@@ -195,17 +207,17 @@ template <int D> void PoreContent<D>::solveWithExcessIce(Block& b, HeatTransfer<
 	batch.liquidSaturation = b.liquidSaturation;
 	batch.iceMass          = b.ice;
 	batch.heatCapacity     = heat.heatCapacity + b.first;
-	batch.apparentCapacity = heat.share + b.first;
+	batch.apparentCapacity = heat.capacityWeight + b.first;
 	b.of->enthalpy.temperatures(batch);
 	const double freezing = b.of->enthalpy.curve().freezingTemperature();
 	for (int k = 0; k < b.count; ++k)
 		if (b.temperature[k] > freezing && excessIce_[b.first + k] > 0.0) meltExcessIce(b, heat, k);
 		else b.ice[k] += excessIce_[b.first + k];
-	heat.limitShares(b.first, b.count);
+	limitWeights(b, heat);
 }
 
 /// A point with more heat than its excess ice, all frozen, lets it have.
-template <int D> void PoreContent<D>::meltExcessIce(Block& b, HeatTransfer<D>& heat, int k) const
+template <int D> void PoreContent<D>::meltExcessIce(Block& b, const OfHeat& heat, int k) const
 {
 	const int                p     = b.first + k;
 	const EnthalpyModel&     model = b.of->enthalpy;
@@ -221,11 +233,11 @@ template <int D> void PoreContent<D>::meltExcessIce(Block& b, HeatTransfer<D>& h
 	if (missing <= 0.0) b.temperature[k] = model.solve(all, heat.enthalpy[p], freezing).temperature;
 	heat.heatCapacity[p] = all.solidMass * m.solid.specificHeat + (all.waterMass - excessIce_[p]) * m.liquid.specificHeat
 	        + excessIce_[p] * m.ice.specificHeat;
-	heat.share[p] = missing > 0.0 ? std::numeric_limits<double>::max() : heat.heatCapacity[p];
+	heat.capacityWeight[p] = missing > 0.0 ? std::numeric_limits<double>::max() : heat.heatCapacity[p];
 }
 
 /// Heat flows through all that a point holds, water through the pores of its soil.
-template <int D> void PoreContent<D>::correctForExcessIce(const Block& b, HeatTransfer<D>* heat, PoreWater<D>* water) const
+template <int D> void PoreContent<D>::correctForExcessIce(const Block& b, const OfHeat& heat, const OfWater& water) const
 {
 	const MixtureProperties& m   = b.of->mixture;
 	Permeability             law = b.of->permeability;
@@ -233,23 +245,22 @@ template <int D> void PoreContent<D>::correctForExcessIce(const Block& b, HeatTr
 	for (int k = 0; k < b.count; ++k) {
 		const int p = b.first + k;
 		if (!(excessVolume_[p] > 0.0)) continue;
-		const double ice      = std::min(1.0, b.ice[k] / (m.ice.density * b.poreVolume[k]));
-		heat->conductivity[p] = m.conductivity(VolumeFractions::of(porosity[p], 1.0 - ice));
+		const double ice     = std::min(1.0, b.ice[k] / (m.ice.density * b.poreVolume[k]));
+		heat.conductivity[p] = m.conductivity(VolumeFractions::of(porosity[p], 1.0 - ice));
 		const double held = excessIce_[p] / m.ice.density, soil = volume_[p] - held, n = (b.poreVolume[k] - held) / soil;
 		const double liquid = (waterMass[p] - b.ice[k]) / m.liquid.density / soil;
 		const double fill   = std::min(1.0, liquid / (n * b.liquidSaturation[k]));
-		water->drag[p]      = law.dragAt(
-		             waterMass[p] - b.ice[k], water->liquidFraction[p],
-		             std::max(law.floor, fill * fill * fill) * law.conductivity(n, b.liquidSaturation[k]));
+		water.drag[p]       = law.dragAt(
+		              waterMass[p] - b.ice[k], water.liquidFraction[p], std::max(law.floor, fill * fill * fill) * law.conductivity(n, b.liquidSaturation[k]));
 	}
 }
 
-template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b, SolidMotion<D>& motion, PoreWater<D>& water) const
+template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b, const OfSolid& moving, const OfWater& water) const
 {
 	int                 changes  = 0;
 	const double* const solids   = solidMass + b.first;
 	const double* const contents = waterMass + b.first;
-	double* const       mass     = motion.mass + b.first;
+	double* const       mass     = moving.mass + b.first;
 	for (int k = 0; k < b.count; ++k)
 		changes |= b.iceBefore[k] != b.ice[k];
 	if (!changes) return;
@@ -264,7 +275,7 @@ template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b, Soli
 	}
 	for (int i = 0; i < D; ++i) {
 		double* const liquid = water.velocity[i] + b.first;
-		double* const solid  = motion.velocity[i] + b.first;
+		double* const solid  = moving.velocity[i] + b.first;
 #pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k) {
 			const double w = liquid[k] - solid[k];
@@ -274,18 +285,23 @@ template <int D> void PoreContent<D>::exchangePhaseMomentum(const Block& b, Soli
 	}
 }
 
-template <int D> void PoreContent<D>::updatePressure(const Block& b, PoreWater<D>& water) const
+template <int D> void PoreContent<D>::updatePressure(const Block& b, double* pressures) const
 {
 	const MixtureProperties m        = b.of->mixture;
 	const PoreWaterState    state    = settings_->water->state;
 	const double* const     contents = waterMass + b.first;
-	double* const           pressure = water.pressure + b.first;
+	double* const           pressure = pressures + b.first;
 #pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k)
 		pressure[k] = state.pressure(m, contents[k] - b.ice[k], b.ice[k], b.poreVolume[k], b.temperature[k]).pressure;
 }
 
 template <int D> void PoreContent<D>::findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const
+{
+	computeFill(b, excess, compliance);
+}
+
+template <int D> void PoreContent<D>::computeFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const
 {
 	const MixtureProperties m     = b.of->mixture;
 	const PoreWaterState    state = settings_->water->state;
@@ -298,17 +314,7 @@ template <int D> void PoreContent<D>::findFill(const Block& b, double (&excess)[
 	}
 }
 
-template <int D> void PoreContent<D>::collectPressure(const Block& b, const CellMeans<D>& cells, PoreWater<D>& water, double dt) const
-{
-	double excess[blockSize], compliance[blockSize];
-	findFill(b, excess, compliance);
-	if (iceMass) water.addFills(cells, b.first, b.count, excess, compliance, dt, b.of->mixture.liquid.density);
-	else
-		for (int k = 0; k < b.count; ++k)
-			water.addFill(cells.cell(b.first + k), excess[k], compliance[k]);
-}
-
-template <int D> void PoreContent<D>::updatePressureRate(const Block& b, PoreWater<D>& water)
+template <int D> void PoreContent<D>::updatePressureRate(const Block& b, double* pressures)
 {
 	const MixtureProperties& m     = b.of->mixture;
 	const PoreWaterState&    state = settings_->water->state;
@@ -323,19 +329,10 @@ template <int D> void PoreContent<D>::updatePressureRate(const Block& b, PoreWat
 		        - m.expansivity(n, b.liquidSaturation[k], b.temperature[k]) * (b.temperature[k] - b.temperatureBefore[k]);
 		const PressureCoefficients c      = state.coefficients(m, { n, b.liquidSaturation[k], 0.0, b.temperature[k] });
 		const double               change = -(freed + c.undrained() * strain - inflow) / c.storage;
-		water.pressure[p]                 = std::max(water.pressure[p] + change, state.cavitationPressure);
+		pressures[p]                      = std::max(pressures[p] + change, state.cavitationPressure);
 		lastVolume_[p]                    = volume_[p];
 		lastWater_[p]                     = waterMass[p];
 	}
-}
-
-template <int D> void PoreContent<D>::updateCoefficients(const Block& b, HeatTransfer<D>* heat, PoreWater<D>* water)
-{
-	updatePorosity(b);
-	if (heat) updateConductivity(b, *heat);
-	if (iceMass) updateIce(b);
-	if (water) updateDrag(b, *water);
-	if (excessVolume_ && hasExcessIce(b)) correctForExcessIce(b, heat, water);
 }
 
 template <int D> void PoreContent<D>::updatePorosity(const Block& b)
@@ -347,11 +344,11 @@ template <int D> void PoreContent<D>::updatePorosity(const Block& b)
 		n[k] = b.poreVolume[k] / volume[k];
 }
 
-template <int D> void PoreContent<D>::updateConductivity(const Block& b, HeatTransfer<D>& heat) const
+template <int D> void PoreContent<D>::updateConductivity(const Block& b, double* conductivity) const
 {
 	const MixtureProperties m     = b.of->mixture;
 	const double* const     n     = porosity + b.first;
-	double* const           kappa = heat.conductivity + b.first;
+	double* const           kappa = conductivity + b.first;
 	if (m.conductivityMean == ConductivityMean::arithmetic) {
 #pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k)
@@ -373,7 +370,7 @@ template <int D> void PoreContent<D>::updateIce(const Block& b)
 
 /// Where water has left a gap, less of it flows, and through narrower ways: conductivity falls with the cube of the fill (Corey). Ground
 /// that drains then runs dry ever more slowly, and nothing flows that is not there.
-template <int D> void PoreContent<D>::updateDrag(const Block& b, PoreWater<D>& water) const
+template <int D> void PoreContent<D>::updateDrag(const Block& b, const OfWater& water) const
 {
 	Permeability law = b.of->permeability;
 	law.hydraulicTimeScale *= b.of->seepageScale;
@@ -432,46 +429,54 @@ template <int D> int PoreContent<D>::firstImpossible(const Block& b) const
 	return b.first + b.count;
 }
 
-template <int D> int PoreContent<D>::findTemperature(Block& b, const Effects& of) const
+template <int D> int PoreContent<D>::findTemperature(Block& b, const PointArrays& of) const
 {
-	load(b, of.heat);
+	load(b, of.heat.temperature);
 	findPoreVolume(b);
-	if (of.heat) solveTemperature(b, *of.heat);
+	if (of.hasHeat()) solveTemperature(b, of.heat);
 	const int bad = firstImpossible(b);
-	if (bad < b.end() || !of.heat) return bad;
-	std::copy_n(b.temperature, b.count, of.heat->temperature + b.first);
+	if (bad < b.end() || !of.hasHeat()) return bad;
+	std::copy_n(b.temperature, b.count, of.heat.temperature + b.first);
 	findPoreVolume(b);
-	if (iceMass && of.water) exchangePhaseMomentum(b, *of.motion, *of.water);
+	if (iceMass && of.hasWater()) exchangePhaseMomentum(b, of.solid, of.water);
 	return bad;
 }
 
-template <int D> void PoreContent<D>::findCoefficientsAndPressure(const Block& b, const Effects& of, const CellMeans<D>* cells, double dt)
+template <int D> void PoreContent<D>::findCoefficients(const Block& b, const PointArrays& of)
 {
-	updateCoefficients(b, of.heat, of.water);
-	if (!of.water) return;
-	if (lastVolume_) updatePressureRate(b, *of.water);
-	else if (cells) collectPressure(b, *cells, *of.water, dt);
-	else updatePressure(b, *of.water);
+	updatePorosity(b);
+	if (of.hasHeat()) updateConductivity(b, of.heat.conductivity);
+	if (iceMass) updateIce(b);
+	if (of.hasWater()) updateDrag(b, of.water);
+	if (excessVolume_ && hasExcessIce(b)) correctForExcessIce(b, of.heat, of.water);
 }
 
-template <int D> int PoreContent<D>::update(int first, int last, const Effects& of)
+template <int D> void PoreContent<D>::findPressure(const Block& b, const PointArrays& of)
+{
+	if (lastVolume_) updatePressureRate(b, of.water.pressure);
+	else updatePressure(b, of.water.pressure);
+}
+
+template <int D> int PoreContent<D>::update(int first, int last, const PointArrays& of)
 {
 	return inBlocks(first, last, [&](Block& b) {
 		const int reached = findTemperature(b, of);
-		if (reached == b.end()) findCoefficientsAndPressure(b, of, nullptr, 0.0);
+		if (reached < b.end()) return reached;
+		findCoefficients(b, of);
+		if (of.hasWater()) findPressure(b, of);
 		return reached;
 	});
 }
 
-template <int D> std::string PoreContent<D>::whyImpossible(int p, const HeatTransfer<D>* heat) const
+template <int D> std::string PoreContent<D>::whyImpossible(int p, const double* temperature, const double* enthalpy) const
 {
 	const MixtureProperties& m = of(p).mixture;
 	std::ostringstream       text;
-	const double             t    = heat ? heat->temperature[p] : m.referenceTemperature;
+	const double             t    = temperature ? temperature[p] : m.referenceTemperature;
 	const double             pore = volume_[p] - solidMass[p] / m.densityAt(m.solid, t);
 	text << "volume " << volume_[p] << ", porosity " << pore / volume_[p] << ", water mass " << waterMass[p] << " kg";
 	if (iceMass) text << ", ice mass " << iceMass[p] << " kg";
-	if (heat) text << ", enthalpy " << heat->enthalpy[p] << " J, temperature " << t << " degC";
+	if (temperature) text << ", enthalpy " << enthalpy[p] << " J, temperature " << t << " degC";
 	if (!(pore >= smallestPorosity * volume_[p])) text << ": the pores are crushed; use a stiffer skeleton or a smaller time step";
 	else text << ": no possible state; use a smaller time step";
 	return text.str();

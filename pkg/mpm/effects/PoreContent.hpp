@@ -8,21 +8,37 @@
 
 namespace talik {
 
-template <int D> class CellMeans;
-template <int D> class HeatTransfer;
 template <int D> class PoreWater;
-template <int D> class SolidMotion;
+struct SeepageScales;
 
 /// What fills the ground: grains, water and ice as masses, and the state that follows from them, the volume and the enthalpy:
 /// porosity, temperature, ice saturation, pore pressure, heat capacity, conductivity and drag.
 template <int D> class PoreContent {
 public:
 	PoreContent(PointFields& fields, const GroundSettings<D>& settings);
-	/// The effects to whose points it gives mass, temperature and pressure; null: absent from the scene.
-	struct Effects {
-		SolidMotion<D>*  motion;
-		HeatTransfer<D>* heat;
-		PoreWater<D>*    water;
+	/// What an update reads and writes of the points of other effects, by place; null: the scene has no such effect.
+	struct OfHeat {
+		double* enthalpy; ///< [J]; only read by an update, written by fill()
+		double* temperature;
+		double* heatCapacity;
+		double* capacityWeight; ///< between the sensible capacity and three times that, as dH/dT asks [J/K]
+		double* conductivity;
+	};
+	struct OfSolid {
+		double*                mass;     ///< changes where water freezes or melts
+		std::array<double*, D> velocity; ///< the same, by the momentum that goes along
+	};
+	struct OfWater {
+		double *               pressure, *liquidFraction, *drag;
+		std::array<double*, D> velocity;
+	};
+	struct PointArrays {
+		OfSolid solid;
+		OfHeat  heat;
+		OfWater water;
+		bool    hasSolid() const { return solid.mass != nullptr; }
+		bool    hasHeat() const { return heat.temperature != nullptr; }
+		bool    hasWater() const { return water.pressure != nullptr; }
 	};
 
 	void bind(MaterialPoints<D>& points);
@@ -35,7 +51,7 @@ public:
 	}
 
 	/// Masses and enthalpy of a point of given porosity, temperature and pressure; its derived state follows from update().
-	void fill(int place, double porosity, double temperature, double pressure, double poreFill, const Effects& of);
+	void fill(int place, double porosity, double temperature, double pressure, double poreFill, const PointArrays& of);
 
 	struct Material;
 	/// Some consecutive points of one material with what is known only during an update.
@@ -65,15 +81,18 @@ public:
 	}
 	/// Temperature and ice after volume, water mass and enthalpy changed. Returns the place of the first point in an impossible state (no pore space,
 	/// no liquid left, enthalpy out of range), or the end of the block.
-	int findTemperature(Block& b, const Effects& of) const;
-	/// Porosity, conductivity, drag and pressure, after findTemperature().
-	/// cells null: every point has a pressure of its own; else the cells collect what their pressure follows from, for
-	/// PoreWater::shareCellPressure and, in the step dt, PoreWater::levelPoints (call within MaterialPoints::strips().scatter).
-	void findCoefficientsAndPressure(const Block& b, const Effects& of, const CellMeans<D>* cells, double dt);
-	/// Both, where every point has a pressure of its own. Returns as findTemperature(), or last.
-	int update(int first, int last, const Effects& of);
-	/// Why a point is in an impossible state; heat may be null.
-	std::string whyImpossible(int place, const HeatTransfer<D>* heat) const;
+	int findTemperature(Block& b, const PointArrays& of) const;
+	/// Porosity, conductivity and drag, after findTemperature().
+	void findCoefficients(const Block& b, const PointArrays& of);
+	/// Pressure of points that have one of their own, after findCoefficients().
+	void findPressure(const Block& b, const PointArrays& of);
+	/// What the pressure of a cell follows from, where its points share one, see PoreWater::addFills: unstressed volume of liquid and ice less the pore
+	/// volume [m^D], and their compliance [m^D/Pa].
+	void findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const;
+	/// All of it, where every point has a pressure of its own. Returns as findTemperature(), or last.
+	int update(int first, int last, const PointArrays& of);
+	/// Why a point is in an impossible state; temperature [degC] and enthalpy [J] of it are null in ground without heat.
+	std::string whyImpossible(int place, const double* temperature, const double* enthalpy) const;
 
 	/// add(place, e, c) for points first .. last: unstressed volume of liquid and ice less the pore volume [m^D], and compliance [m^D/Pa].
 	/// temperature null: that of reference.
@@ -90,8 +109,9 @@ public:
 	/// Of the liquid, which is the same in every material.
 	const EnthalpyModel&     enthalpyModel() const { return materials_.front().enthalpy; }
 	const MixtureProperties& mixture(int place) const { return of(place).mixture; }
-	/// Seepage follows slow processes that run f times as fast as motion, in each material as far as its conductivity lets it.
-	void useScale(PoreWater<D>& water, double f);
+	/// Seepage follows slow processes that run f times as fast as motion, in each material as far as its conductivity lets it. Returns the scales in
+	/// force.
+	SeepageScales useScale(double f, const PoreWater<D>& water);
 	/// m_l^2/(V Q) of a point as it will be when all of its ice has melted: k rho_l/g [kg s/m^3].
 	double thawedOpening(int place) const
 	{
@@ -117,23 +137,23 @@ public:
 private:
 	const Material&               of(int place) const { return materials_[points_->material(place)]; }
 	void                          choosePoints(Block& b, int last) const;
-	void                          load(Block& b, const HeatTransfer<D>* heat) const;
+	void                          load(Block& b, const double* temperature) const;
 	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b) const;
-	void                          solveTemperature(Block& b, HeatTransfer<D>& heat) const;
+	void                          solveTemperature(Block& b, const OfHeat& heat) const;
 	bool                          hasExcessIce(const Block& b) const;
-	void                          solveWithExcessIce(Block& b, HeatTransfer<D>& heat) const;
-	void                          meltExcessIce(Block& b, HeatTransfer<D>& heat, int k) const;
-	void                          correctForExcessIce(const Block& b, HeatTransfer<D>* heat, PoreWater<D>* water) const;
-	TALIK_PROCESSOR_VERSIONS void exchangePhaseMomentum(const Block& b, SolidMotion<D>& motion, PoreWater<D>& water) const;
-	TALIK_PROCESSOR_VERSIONS void updatePressure(const Block& b, PoreWater<D>& water) const;
-	void                          collectPressure(const Block& b, const CellMeans<D>& cells, PoreWater<D>& water, double dt) const;
-	TALIK_PROCESSOR_VERSIONS void findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const;
-	void                          updatePressureRate(const Block& b, PoreWater<D>& water);
-	void                          updateCoefficients(const Block& b, HeatTransfer<D>* heat, PoreWater<D>* water);
+	void                          solveWithExcessIce(Block& b, const OfHeat& heat) const;
+	void                          meltExcessIce(Block& b, const OfHeat& heat, int k) const;
+	/// Weights that hold dH/dT are kept between the sensible capacity and three times that.
+	TALIK_PROCESSOR_VERSIONS void limitWeights(const Block& b, const OfHeat& heat) const;
+	void                          correctForExcessIce(const Block& b, const OfHeat& heat, const OfWater& water) const;
+	TALIK_PROCESSOR_VERSIONS void exchangePhaseMomentum(const Block& b, const OfSolid& moving, const OfWater& water) const;
+	TALIK_PROCESSOR_VERSIONS void computeFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const;
+	TALIK_PROCESSOR_VERSIONS void updatePressure(const Block& b, double* pressures) const;
+	void                          updatePressureRate(const Block& b, double* pressures);
 	TALIK_PROCESSOR_VERSIONS void updatePorosity(const Block& b);
-	TALIK_PROCESSOR_VERSIONS void updateConductivity(const Block& b, HeatTransfer<D>& heat) const;
+	TALIK_PROCESSOR_VERSIONS void updateConductivity(const Block& b, double* conductivity) const;
 	TALIK_PROCESSOR_VERSIONS void updateIce(const Block& b);
-	TALIK_PROCESSOR_VERSIONS void updateDrag(const Block& b, PoreWater<D>& water) const;
+	TALIK_PROCESSOR_VERSIONS void updateDrag(const Block& b, const OfWater& water) const;
 	TALIK_PROCESSOR_VERSIONS bool allPossible(const Block& b) const;
 	int                           firstImpossible(const Block& b) const;
 

@@ -339,7 +339,7 @@ void PoreWater<D>::feed(
         const StepContext<D>& step, const SurfacePatch<D>& patch, double inflow, double inflowTemperature, const LiquidOfGround& liquid,
         const NodeField<1>* temperature)
 {
-	const double scaled = inflow * scale * step.dt * liquid.density;
+	const double scaled = inflow * scales.smallest * step.dt * liquid.density;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		if (nodal[n.node][Driving::perLiquidMass] == 0.0) continue;
 		const double m    = scaled * lengthOf<D>(n.area);
@@ -636,10 +636,12 @@ template <int D>
 void PoreWater<D>::addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity)
 {
 	double share[blockSize], surplus[blockSize];
-	findShares(first, count, excess, compliance, dt, liquidDensity, share, surplus);
+	if (!freezing_.empty()) findShares(first, count, excess, compliance, dt, liquidDensity, share, surplus);
 	for (int k = 0; k < count; ++k) {
 		const int c = cells.cell(first + k);
-		addFill(c, excess[k], compliance[k]);
+		cells_[c].excess += excess[k];
+		cells_[c].compliance += compliance[k];
+		if (freezing_.empty()) continue;
 		FreezingCell& cell = freezing_[c];
 		cell.excess += share[k] * excess[k];
 		cell.compliance += share[k] * compliance[k];

@@ -23,6 +23,11 @@ struct LiquidOfGround {
 	const EnthalpyModel* enthalpy; ///< null: ground without heat
 };
 
+/// By how much seepage is hastened in a step, f_H [-]: smallest and largest among the materials of a ground.
+struct SeepageScales {
+	double smallest, largest;
+};
+
 /// Pore water with a velocity of its own. The force of its pressure and the flux of its mass are adjoint: pressure does exactly
 /// the work that the pore content receives. Mass, momentum and enthalpy that seepage moves are handed over by the same
 /// partition weights, so that none is made.
@@ -124,13 +129,8 @@ public:
 	/// water of cells that run dry gave up, see remainingVelocity: it has gone out with the water [N s].
 	Vec<D> receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, const std::array<double*, D>& solidVelocity);
 
-	/// Adds to a cell the unstressed volume of a point's liquid and ice less its pore volume [m^D], and their compliance [m^D/Pa].
-	void addFill(int cell, double excess, double compliance)
-	{
-		cells_[cell].excess += excess;
-		cells_[cell].compliance += compliance;
-	}
-	/// The same of some points from first on in ground that freezes, for levelPoints() in the step dt.
+	/// Adds to the cells of some points from first on the unstressed volume of liquid and ice less the pore volume [m^D], and their compliance
+	/// [m^D/Pa]; in ground that freezes also for levelPoints() in the step dt. Call within MaterialPoints::strips().scatter.
 	void addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity);
 	/// Pressure of each cell from what fills it, when all points were added. enthalpy null: ground without heat.
 	void findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy);
@@ -169,8 +169,7 @@ public:
 	NodeField<D>                     start;  ///< v_l at the start of the step
 	NodeField<Gathered::size>        exchange;
 
-	double scale   = 1.0; ///< smallest f_H of the materials in this step: multiplies what is fed in [-]
-	double fastest = 1.0; ///< largest f_H of the materials in this step [-]
+	SeepageScales scales { 1.0, 1.0 }; ///< in this step; the smallest multiplies what is fed in
 	/// Water is hastened up to this conductivity [m/s] and no further: what it does against its inertia then dies out within an eightieth
 	/// of a second, and its pressure is at rest soon after; beyond, it would swing in grains that hardly hold it. Ground whose own
 	/// conductivity is larger takes this or untouched, whichever is larger.
@@ -191,7 +190,7 @@ private:
 		double driving;                ///< pressure: at a thaw front that of the thawed layer, the mean anywhere else [Pa]
 		double exchange[exchangeSize]; ///< what seepage brings (mass, enthalpy, momentum), mean over the liquid
 		double dilution;               ///< of the momentum that a point has, by the water that it receives [-]
-		double excess, compliance;     ///< of what fills the pores at the end of the step, see addFill
+		double excess, compliance;     ///< of what fills the pores at the end of the step, see addFills
 		double fillPressure;           ///< that follows from them [Pa]
 	};
 	/// More of a cell in ground that freezes: sums of drag, mass of liquid and ice, liquid mass times temperature and times velocity.

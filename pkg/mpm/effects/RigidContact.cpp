@@ -306,11 +306,13 @@ template <int D> void RigidContact<D>::deliver(Vec<D>& impulse)
 
 template <int D>
 void RigidContact<D>::push(
-        const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, bool atStart, Vec<D>& impulse)
+        const StepContext<D>& step, const ShapeFunction<D>& shape, bool atStart, NodeField<SolidMotion<D>::Record::size>& nodes, ThawFront<D>* front,
+        Vec<D>& impulse)
 {
 	atStart_ = atStart;
 	boxBodies();
-	const Strips& strips = points_->strips();
+	const Grid<D>& grid   = step.grid;
+	const Strips&  strips = step.strips;
 	touches_.resize(strips.count());
 	near_.resize(strips.count());
 	const std::array<const double*, D> x = points_->positions();
@@ -323,30 +325,31 @@ void RigidContact<D>::push(
 			        const int count = std::min(blockSize, last - begin);
 			        findNear(begin, count, laidAgainst, near_[strip]);
 			        for (int k = 0; k < count; ++k)
-				        pushPoint(begin + k, near_[strip], dt, touches);
+				        pushPoint(begin + k, near_[strip], step.dt, touches);
 		        }
 		        for (const Touch& t : touches) {
 			        shape.evaluate(grid, x, t.place, 1, w);
 			        shape.moveToFace(grid, t.toFace, 0, w);
 			        overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
 				        for (int i = 0; i < D; ++i)
-					        motion.nodes[node][motion.forceAt + i] += s * t.force[i];
+					        nodes[node][SolidMotion<D>::forceAt + i] += s * t.force[i];
 			        });
 			        if (front) front->push(w, 0, t.force);
 		        }
 	        },
 	        [&](SharedRows& rows) {
 		        rows.beyond = true;
-		        rows.nodes(motion.nodes);
+		        rows.nodes(nodes);
 		        if (front) front->shareMapped(grid, rows);
 	        });
-	if (strips.bands) shareTouches(*strips.bands);
+	if (step.bands) shareTouches(*step.bands);
 	deliver(impulse);
 }
 
-template <int D> void RigidContact<D>::cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const
+template <int D> void RigidContact<D>::cover(const StepContext<D>& step, const ShapeFunction<D>& shape, FreeSurface<D>& surface) const
 {
-	const std::array<const double*, D> x = points_->positions();
+	const Grid<D>&                     grid = step.grid;
+	const std::array<const double*, D> x    = points_->positions();
 	points_->strips().scatter(
 	        [&](int, int first, int last) {
 		        WeightBlock<D> w;
@@ -400,9 +403,10 @@ template <int D> typename RigidContact<D>::Facing RigidContact<D>::faced(int p, 
 }
 
 template <int D>
-void RigidContact<D>::collectFaces(
-        const ShapeFunction<D>& shape, const Grid<D>& grid, const ActiveRange& range, const std::vector<int>& ids, SurfacePatch<D>& patch)
+void RigidContact<D>::collectFaces(const StepContext<D>& step, const ShapeFunction<D>& shape, const std::vector<int>& ids, SurfacePatch<D>& patch)
 {
+	const Grid<D>&     grid  = step.grid;
+	const ActiveRange& range = step.halo;
 	boxBodies();
 	range.overNodes([&](int, int first, int last) { faces_.clear(first, last); });
 	const Strips& strips = points_->strips();

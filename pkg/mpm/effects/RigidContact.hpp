@@ -5,6 +5,7 @@
 #include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
+#include <pkg/mpm/StepContext.hpp>
 #include <string>
 #include <vector>
 
@@ -129,15 +130,17 @@ public:
 
 	/// Adds the contact forces to the nodes and to the bodies' impulses, and their sum to impulse [N s].
 	/// front, if not null, hears which of its sides was pushed. atStart: in the first step of the ground.
-	void push(const ShapeFunction<D>& shape, const Grid<D>& grid, double dt, SolidMotion<D>& motion, ThawFront<D>* front, bool atStart, Vec<D>& impulse);
+	void push(
+	        const StepContext<D>& step, const ShapeFunction<D>& shape, bool atStart, NodeField<SolidMotion<D>::Record::size>& nodes, ThawFront<D>* front,
+	        Vec<D>& impulse);
 
 	/// Takes the faces that touch a body off the surface of the ground: no air, rain or load reaches them.
-	void cover(const ShapeFunction<D>& shape, const Grid<D>& grid, FreeSurface<D>& surface) const;
+	void cover(const StepContext<D>& step, const ShapeFunction<D>& shape, FreeSurface<D>& surface) const;
 
 	void allocateFaces(const Grid<D>& grid);
 	/// Lists the nodes of the ground that faces the bodies of these ids or groups, with the area of the bodies' surface: of points whose
 	/// middles lie nearer than they are wide. That is one layer of them, wherever the surface runs between them.
-	void collectFaces(const ShapeFunction<D>& shape, const Grid<D>& grid, const ActiveRange& range, const std::vector<int>& ids, SurfacePatch<D>& patch);
+	void collectFaces(const StepContext<D>& step, const ShapeFunction<D>& shape, const std::vector<int>& ids, SurfacePatch<D>& patch);
 
 	/// Only nodes [first, last) are used from now on; all others are zero and take no memory.
 	void keepOnly(int first, int last) { faces_.keepOnly(first, last); }

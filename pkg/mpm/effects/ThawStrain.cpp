@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
 
@@ -19,45 +18,43 @@ ThawStrain<D>::ThawStrain(PointFields& fields, const GroundSettings<D>& settings
 	lastVolumeField_       = fields.declare("volumeBefore", "thawStrain", "m^D", 1);
 }
 
-template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, SolidMotion<D>& motion, const double* iceSaturation, int cells)
+template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, int cells)
 {
 	points_           = &points;
-	motion_           = &motion;
-	iceSaturation_    = iceSaturation;
 	frozenSaturation_ = points.fields().component(frozenSaturationField_);
 	released_         = points.fields().component(releasedField_);
 	open_             = points.fields().component(openField_);
 	swollen_          = points.fields().component(swollenField_);
 	lastVolume_       = points.fields().component(lastVolumeField_);
 	ownUnloading_     = bool(settings_->water);
-	sharing_.reset(motion.settings->bBar ? cells : points.count());
+	sharing_.reset(averages() ? cells : points.count());
 	asked_.reset(points.count());
 	ofSkeleton_.reserve(points.count());
 	all_.reserve(points.count());
-	changed_.reserve(points.count());
+	closed_.reserve(points.count());
 }
 
-template <int D> void ThawStrain<D>::start(int first, int end)
+template <int D> void ThawStrain<D>::start(int first, int end, const double* iceSaturation)
 {
-	std::copy(iceSaturation_ + first, iceSaturation_ + end, frozenSaturation_ + first);
+	std::copy(iceSaturation + first, iceSaturation + end, frozenSaturation_ + first);
 	std::copy(points_->volume() + first, points_->volume() + end, lastVolume_ + first);
 }
 
 template <int D> typename ThawStrain<D>::Sharing& ThawStrain<D>::sharing(int place) { return sharing_[cells_ ? cells_->cell(place) : place]; }
 
-template <int D> void ThawStrain<D>::releaseAt(int p)
+template <int D> void ThawStrain<D>::releaseAt(int p, const double* iceSaturation, const double* initialVolume)
 {
 	const double most = settings_->materials.empty() ? 0.0 : settings_->materials[points_->material(p)].thawStrain;
-	if (most == 0.0 || iceSaturation_[p] >= frozenSaturation_[p]) return;
-	const double melted = most * (1.0 - iceSaturation_[p] / frozenSaturation_[p]);
+	if (most == 0.0 || iceSaturation[p] >= frozenSaturation_[p]) return;
+	const double melted = most * (1.0 - iceSaturation[p] / frozenSaturation_[p]);
 	const double more   = std::max(0.0, melted - released_[p]); // ice that forms again fills pores only
 	released_[p] += more;
-	open_[p] += more * motion_->initialVolume[p] / lastVolume_[p];
+	open_[p] += more * initialVolume[p] / lastVolume_[p];
 }
 
 template <int D> void ThawStrain<D>::keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
 {
-	if (motion_->settings->bBar) sharing_.keepOnly(range.firstCell, range.lastCell);
+	if (averages()) sharing_.keepOnly(range.firstCell, range.lastCell);
 	else sharing_.keepOnly(firstPoint, endPoint);
 	asked_.keepOnly(firstPoint, endPoint);
 }
@@ -68,19 +65,20 @@ template <int D> void ThawStrain<D>::shareCells(SharedRows& rows)
 	if (cells_) rows.cells(sharing_.data());
 }
 
-template <int D> void ThawStrain<D>::release(const CellMeans<D>* cells, const ActiveRange& range)
+template <int D>
+void ThawStrain<D>::release(const StepContext<D>& step, const PointsInMotion<D>& points, const double* iceSaturation, const CellMeans<D>* cells)
 {
 	cells_ = cells;
 	for (const int p : all_)
 		asked_[p] = 0;
 	all_.clear();
-	if (cells) std::fill(sharing_.begin() + range.firstCell, sharing_.begin() + range.lastCell, Sharing {});
-	else std::fill(sharing_.begin() + points_->strips().firstPoint(), sharing_.begin() + points_->strips().endPoint(), Sharing {});
-	const double* const volume = points_->volume();
-	points_->strips().scatter(
+	if (cells) std::fill(sharing_.begin() + step.halo.firstCell, sharing_.begin() + step.halo.lastCell, Sharing {});
+	else std::fill(sharing_.begin() + step.strips.firstPoint(), sharing_.begin() + step.strips.endPoint(), Sharing {});
+	const double* const volume = points.volume;
+	step.strips.scatter(
 	        [&](int, int first, int last) {
 		        for (int p = first; p < last; ++p) {
-			        releaseAt(p);
+			        releaseAt(p, iceSaturation, points.initialVolume);
 			        Sharing& s = sharing(p);
 			        s.volume += volume[p];
 			        s.room += lastVolume_[p] * open_[p];
@@ -102,55 +100,31 @@ template <int D> const std::vector<int>& ThawStrain<D>::openAmong(const std::vec
 	return ofSkeleton_;
 }
 
-template <int D> double ThawStrain<D>::unloadingAt(int p, const Vec<D>& down, const double* modulus) const
+template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const PointsInMotion<D>& points, const double* modulus, const Gradients<D>& gradient)
 {
-	double pressure = 0.0;
-	for (int i = 0; i < D; ++i)
-		for (int j = 0; j < D; ++j)
-			pressure -= down[i] * motion_->stress[stressIndex<D>(i, j)][p] * down[j];
-	return std::max(0.0, pressure) / modulus[p];
-}
-
-template <int D> void ThawStrain<D>::close(const double* modulus)
-{
-	const Vec<D>& gravity = motion_->settings->gravity;
+	const Vec<D>& gravity = settings_->motion->gravity;
 	const double  size    = lengthOf<D>(gravity);
 	if (size == 0.0) return;
 	Vec<D> down;
 	for (int a = 0; a < D; ++a)
 		down[a] = gravity[a] / size;
-	const double* const volume = points_->volume();
-	points_->strips().scatter(
+	// strain along gravity by which a point expands when it loses its load
+	const auto unloadingAt = [&](int p) { return std::max(0.0, points.pressureAlong(p, down)) / modulus[p]; };
+	step.strips.scatter(
 	        [&](int, int first, int last) {
 		        for (int p = first; p < last; ++p)
-			        if (asked_[p]) sharing(p).elastic += volume[p] * unloadingAt(p, down, modulus);
+			        if (asked_[p]) sharing(p).elastic += points.volume[p] * unloadingAt(p);
 	        },
 	        [&](SharedRows& rows) { shareCells(rows); });
 	for (const int p : all_) {
 		const Sharing& s       = sharing(p);
 		const double   settled = std::min(s.room, std::max(0.0, s.contraction)), left = s.room - settled;
 		const double   unloaded = std::min(s.elastic, left);
-		const double   closes   = settled / s.volume
-		        + (ownUnloading_ && unloaded > 0.0 ? unloaded / s.elastic * unloadingAt(p, down, modulus) : unloaded / s.volume);
-		open_[p]    = (left - unloaded) / s.volume;
-		swollen_[p] = open_[p] > 0.0 ? std::max(0.0, -s.contraction) / s.volume : 0.0;
-		OfGrid before { p, {} };
-		for (int i = 0; i < D; ++i) // gradient of the soil, eq. (24.2)
-			for (int j = 0; j < D; ++j) {
-				double* const gradient     = motion_->gradient[i * D + j];
-				before.gradient[i * D + j] = gradient[p];
-				gradient[p] += closes * down[i] * down[j];
-			}
-		changed_.push_back(before);
+		const double   closes   = settled / s.volume + (ownUnloading_ && unloaded > 0.0 ? unloaded / s.elastic * unloadingAt(p) : unloaded / s.volume);
+		open_[p]                = (left - unloaded) / s.volume;
+		swollen_[p]             = open_[p] > 0.0 ? std::max(0.0, -s.contraction) / s.volume : 0.0;
+		closed_.add(gradient, p, closes, down); // gradient of the soil, eq. (24.2)
 	}
-}
-
-template <int D> void ThawStrain<D>::restoreGradients()
-{
-	for (const OfGrid& before : changed_)
-		for (int c = 0; c < D * D; ++c)
-			motion_->gradient[c][before.place] = before.gradient[c];
-	changed_.clear();
 }
 
 template class ThawStrain<2>;

@@ -5,13 +5,14 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/PagedArray.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/points/PointsInMotion.hpp>
+#include <pkg/mpm/StepContext.hpp>
 
 #include <vector>
 
 namespace talik {
 
 template <int D> class CellMeans;
-template <int D> class SolidMotion;
 
 /// Ice-rich ground holds more ice than the pores of its soil. When it thaws, the soil closes the room of that ice, along gravity: ice
 /// lenses lie flat, and thaw strain is measured as settlement without strain aside. A skeleton law knows the soil alone, so it is given
@@ -22,25 +23,26 @@ template <int D> class SolidMotion;
 template <int D> class ThawStrain {
 public:
 	ThawStrain(PointFields& fields, const GroundSettings<D>& settings);
-	void bind(MaterialPoints<D>& points, SolidMotion<D>& motion, const double* iceSaturation, int cells);
-	/// Takes the ice that the points have now as that of the frozen ground.
-	void start(int first, int end);
+	void bind(MaterialPoints<D>& points, int cells);
+	/// Takes the ice that the points have now as that of the frozen ground. iceSaturation: by place [-].
+	void start(int first, int end, const double* iceSaturation);
 
 	/// Room that excess ice leaves where it melts, which is not part of the ground's thawStrain [m^D]; before release().
 	void addRoom(int place, double room) { open_[place] += room / lastVolume_[place]; }
-	/// Adds the room that ice has left and the change of volume since the last step; cells null: every point by itself. range: of the cells.
-	void release(const CellMeans<D>* cells, const ActiveRange& range);
+	/// Adds the room that ice has left, eq. (24.1), and the change of volume since the last step. iceSaturation: by place [-]; cells null: every
+	/// point by itself.
+	void release(const StepContext<D>& step, const PointsInMotion<D>& points, const double* iceSaturation, const CellMeans<D>* cells);
 	/// Points of a skeleton with room to close, in the order of places; valid until the next call.
 	const std::vector<int>& openAmong(const std::vector<int>& places);
 	/// Adds to the displacement gradient of all points that were asked for what closes in this step, eq. (24.3); modulus [Pa]: of the
 	/// oedometer, by place.
-	void close(const double* modulus);
+	void close(const StepContext<D>& step, const PointsInMotion<D>& points, const double* modulus, const Gradients<D>& gradient);
 	/// Ice saturation of the frozen ground at the start [-].
 	double frozenSaturation(int place) const { return frozenSaturation_[place]; }
 	/// Room that ice has left there is not closed yet.
 	bool isOpen(int place) const { return open_[place] > 0.0; }
 	/// Gives all points back the displacement gradient of the ground.
-	void restoreGradients();
+	void restoreGradients(const Gradients<D>& gradient) { closed_.takeOut(gradient); }
 	/// Of cells or points only these take memory.
 	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint);
 
@@ -51,22 +53,14 @@ private:
 		double contraction;  ///< of the step, less what the ground has swollen by with its room open [m^D]
 		double elastic;      ///< what the soil would expand by without its load [m^D]
 	};
-	/// Gradient of a point as the grid has it.
-	struct OfGrid {
-		int                       place;
-		std::array<double, D * D> gradient;
-	};
 	Sharing& sharing(int place);
-	void     releaseAt(int place);
+	void     releaseAt(int place, const double* iceSaturation, const double* initialVolume);
 	void     shareCells(SharedRows& rows);
-	/// Strain along gravity by which a point expands when it loses its load [-], >= 0.
-	double unloadingAt(int place, const Vec<D>& down, const double* modulus) const;
+	bool     averages() const { return settings_->motion->bBar; }
 
 	const GroundSettings<D>* settings_;
-	MaterialPoints<D>*       points_        = nullptr;
-	SolidMotion<D>*          motion_        = nullptr;
-	const CellMeans<D>*      cells_         = nullptr;
-	const double*            iceSaturation_ = nullptr;
+	MaterialPoints<D>*       points_ = nullptr;
+	const CellMeans<D>*      cells_  = nullptr; ///< as release() had them
 	PointFields::Handle      frozenSaturationField_, releasedField_, openField_, swollenField_, lastVolumeField_;
 	double *                 frozenSaturation_ = nullptr, *released_ = nullptr, *open_ = nullptr, *swollen_ = nullptr, *lastVolume_ = nullptr;
 	/// Each point of a cell unloads by its own load, not by the mean of the cell. With pore water frozen points stand in tension beside thawed
@@ -75,7 +69,7 @@ private:
 	PagedArray<Sharing> sharing_;
 	PagedArray<char>    asked_; ///< by place: the point is one of all_
 	std::vector<int>    ofSkeleton_, all_;
-	std::vector<OfGrid> changed_;
+	AddedStrain<D>      closed_;
 };
 
 extern template class ThawStrain<2>;

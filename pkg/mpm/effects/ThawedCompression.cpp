@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/ThawedCompression.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
@@ -19,43 +18,32 @@ ThawedCompression<D>::ThawedCompression(PointFields& fields, const GroundSetting
 	stressAtStartField_ = fields.declare("pressureAtStart", "thawedCompression", "Pa", 1);
 }
 
-template <int D>
-void ThawedCompression<D>::bind(MaterialPoints<D>& points, SolidMotion<D>& motion, const double* porosity, const double* iceSaturation, int cells)
+template <int D> void ThawedCompression<D>::bind(MaterialPoints<D>& points, const double* porosity, const double* iceSaturation, int cells)
 {
 	points_              = &points;
-	motion_              = &motion;
 	porosity_            = porosity;
 	iceSaturation_       = iceSaturation;
 	compression_         = points.fields().component(compressionField_);
 	meanPressure_        = points.fields().component(meanPressureField_);
 	stressAtStart_       = points.fields().component(stressAtStartField_);
-	const Vec<D>& weight = motion.settings->gravity;
+	const Vec<D>& weight = settings_->motion->gravity;
 	for (int a = 0; a < D; ++a)
 		down_[a] = weight[a] / lengthOf<D>(weight);
 	ofThawed_      = bool(settings_->water);
 	smoothingTime_ = gravityTime(settings_->gridSpacing, lengthOf<D>(weight));
-	sharing_.reset(motion.settings->bBar ? cells : points.count());
+	sharing_.reset(settings_->motion->bBar ? cells : points.count());
 	noIce_.reset(points.count());
 	thawedModulus_.reset(points.count());
 	wishes_.reset(points.count());
 	for (std::vector<int>* places : { &ofSkeleton_, &thawed_ })
 		places->reserve(points.count());
-	changed_.reserve(points.count());
+	lost_.reserve(points.count());
 }
 
-template <int D> double ThawedCompression<D>::pressureAt(int p) const
-{
-	double pressure = 0.0;
-	for (int i = 0; i < D; ++i)
-		for (int j = 0; j < D; ++j)
-			pressure -= down_[i] * motion_->stress[stressIndex<D>(i, j)][p] * down_[j];
-	return pressure;
-}
-
-template <int D> void ThawedCompression<D>::start(int first, int end)
+template <int D> void ThawedCompression<D>::start(int first, int end, const PointsInMotion<D>& moving)
 {
 	for (int p = first; p < end; ++p) {
-		stressAtStart_[p] = meanPressure_[p] = std::max(0.0, pressureAt(p));
+		stressAtStart_[p] = meanPressure_[p] = std::max(0.0, moving.pressureAlong(p, down_));
 		if (iceSaturation_[p] == 0.0)
 			compression_[p] = settings_->materials[points_->material(p)].compression.strain(stressAtStart_[p], 1.0 - porosity_[p]);
 	}
@@ -86,12 +74,12 @@ template <int D> const std::vector<int>& ThawedCompression<D>::thawedAmong(const
 }
 
 /// Eq. (24.5) at one point by bracketing: the stress cannot fall below zero.
-template <int D> typename ThawedCompression<D>::Wish ThawedCompression<D>::wishOf(int p, double bearing, double modulus, double taken) const
+template <int D> typename ThawedCompression<D>::Wish ThawedCompression<D>::wishOf(int p, double present, double bearing, double modulus, double taken) const
 {
 	const double pressure = meanPressure_[p];
 	if (!(pressure > 0.0 && bearing > 0.0) || thawStrain_->isOpen(p)) return {};
-	const CompressionCurve& curve = settings_->materials[points_->material(p)].compression;
-	const double            share = melted(p), present = points_->volume()[p] / motion_->initialVolume[p];
+	const CompressionCurve& curve      = settings_->materials[points_->material(p)].compression;
+	const double            share      = melted(p);
 	const double            solidShare = (1.0 - porosity_[p]) * present, lawModulus = thawedModulus_[p];
 	// what is still to be lost if the point now loses the strain r, its stress falls by that, and the mean of its stress follows
 	const auto missing = [&](double r) {
@@ -120,32 +108,34 @@ template <int D> typename ThawedCompression<D>::Wish ThawedCompression<D>::wishO
 	return { wanted / present, high > 0.0 ? std::max(0.0, wanted / (present * high) - 1.0) : 0.0 };
 }
 
-template <int D> void ThawedCompression<D>::compress(const double* modulus, double dt, const CellMeans<D>* cells, const ActiveRange& range)
+template <int D>
+void ThawedCompression<D>::compress(
+        const StepContext<D>& step, const PointsInMotion<D>& moving, const double* modulus, const CellMeans<D>* cells, const Gradients<D>& gradient)
 {
 	cells_ = cells;
-	if (cells) std::fill(sharing_.begin() + range.firstCell, sharing_.begin() + range.lastCell, Sharing {});
-	else std::fill(sharing_.begin() + points_->strips().firstPoint(), sharing_.begin() + points_->strips().endPoint(), Sharing {});
-	const double* const volume = points_->volume();
+	if (cells) std::fill(sharing_.begin() + step.halo.firstCell, sharing_.begin() + step.halo.lastCell, Sharing {});
+	else std::fill(sharing_.begin() + step.strips.firstPoint(), sharing_.begin() + step.strips.endPoint(), Sharing {});
+	const double* const volume = moving.volume;
 	const auto          share  = [&](SharedRows& rows) {
                 if (cells_) rows.cells(sharing_.data());
 	};
-	points_->strips().scatter(
+	step.strips.scatter(
 	        [&](int, int first, int last) {
 		        for (int p = first; p < last; ++p) {
 			        Sharing&     s      = sharing(p);
 			        const double counts = volume[p] * (ofThawed_ ? melted(p) : 1.0);
 			        s.volume += volume[p];
 			        s.bearing += counts;
-			        s.pressure += counts * pressureAt(p);
+			        s.pressure += counts * moving.pressureAlong(p, down_);
 		        }
 	        },
 	        share);
-	const double taken = -std::expm1(-dt / smoothingTime_);
-	for (int p = points_->strips().firstPoint(); p < points_->strips().endPoint(); ++p)
+	const double taken = -std::expm1(-step.dt / smoothingTime_);
+	for (int p = step.strips.firstPoint(); p < step.strips.endPoint(); ++p)
 		if (sharing(p).bearing > 0.0) meanPressure_[p] += taken * (sharing(p).pressure / sharing(p).bearing - meanPressure_[p]);
 	for (const int p : thawed_)
-		wishes_[p] = wishOf(p, sharing(p).pressure / sharing(p).bearing, modulus[p], taken);
-	points_->strips().scatter(
+		wishes_[p] = wishOf(p, volume[p] / moving.initialVolume[p], sharing(p).pressure / sharing(p).bearing, modulus[p], taken);
+	step.strips.scatter(
 	        [&](int, int first, int last) {
 		        for (int p = first; p < last; ++p) {
 			        Sharing& s = sharing(p);
@@ -154,38 +144,18 @@ template <int D> void ThawedCompression<D>::compress(const double* modulus, doub
 		        }
 	        },
 	        share);
-	for (int p = points_->strips().firstPoint(); p < points_->strips().endPoint(); ++p) {
+	for (int p = step.strips.firstPoint(); p < step.strips.endPoint(); ++p) {
 		const Sharing& s = sharing(p);
 		if (s.wanted == 0.0) continue;
-		lose(p, s.wanted / s.stiffened);
+		lost_.add(gradient, p, s.wanted / s.stiffened, down_);
 		if (wishes_[p].strain > 0.0) meanPressure_[p] -= taken * modulus[p] * s.wanted / s.stiffened;
-		compression_[p] += wishes_[p].strain * s.volume / s.stiffened * volume[p] / motion_->initialVolume[p];
+		compression_[p] += wishes_[p].strain * s.volume / s.stiffened * volume[p] / moving.initialVolume[p];
 	}
-}
-
-template <int D> void ThawedCompression<D>::lose(int p, double strain)
-{
-	Before before { p, {} };
-	for (int i = 0; i < D; ++i)
-		for (int j = 0; j < D; ++j) {
-			double* const gradient     = motion_->gradient[i * D + j];
-			before.gradient[i * D + j] = gradient[p];
-			gradient[p] += strain * down_[i] * down_[j];
-		}
-	changed_.push_back(before);
-}
-
-template <int D> void ThawedCompression<D>::restoreGradients()
-{
-	for (const Before& before : changed_)
-		for (int c = 0; c < D * D; ++c)
-			motion_->gradient[c][before.place] = before.gradient[c];
-	changed_.clear();
 }
 
 template <int D> void ThawedCompression<D>::keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
 {
-	if (motion_->settings->bBar) sharing_.keepOnly(range.firstCell, range.lastCell);
+	if (settings_->motion->bBar) sharing_.keepOnly(range.firstCell, range.lastCell);
 	else sharing_.keepOnly(firstPoint, endPoint);
 	noIce_.keepOnly(firstPoint, endPoint);
 	thawedModulus_.keepOnly(firstPoint, endPoint);

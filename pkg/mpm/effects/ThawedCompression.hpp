@@ -5,13 +5,14 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/PagedArray.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/points/PointsInMotion.hpp>
+#include <pkg/mpm/StepContext.hpp>
 
 #include <vector>
 
 namespace talik {
 
 template <int D> class CellMeans;
-template <int D> class SolidMotion;
 template <int D> class ThawStrain;
 
 /// Ground that has thawed is softer than its skeleton law: it follows a measured curve of strain over stress (CompressionCurve). What the
@@ -20,10 +21,10 @@ template <int D> class ThawStrain;
 template <int D> class ThawedCompression {
 public:
 	ThawedCompression(PointFields& fields, const GroundSettings<D>& settings);
-	/// porosity, iceSaturation: of the points.
-	void bind(MaterialPoints<D>& points, SolidMotion<D>& motion, const double* porosity, const double* iceSaturation, int cells);
+	/// porosity, iceSaturation: of the points, which it reads.
+	void bind(MaterialPoints<D>& points, const double* porosity, const double* iceSaturation, int cells);
 	/// Takes the present stress as that without strain. Ground that has no ice has settled under it already.
-	void start(int first, int end);
+	void start(int first, int end, const PointsInMotion<D>& moving);
 
 	/// Forgets the points of the step before; frozenSaturation: of thaw strain.
 	void open(const ThawStrain<D>& thawStrain);
@@ -33,11 +34,12 @@ public:
 	const double* noIce() const { return noIce_.data(); }
 	/// For the oedometer moduli of thawed ground [Pa], by place.
 	double* thawedModulus() { return thawedModulus_.data(); }
-	/// Adds to the displacement gradient of all points around what is lost in this step of dt [s]; modulus [Pa]: of the oedometer, by place; cells
+	/// Adds to the displacement gradient of all points around what is lost in this step, eq. (24.6); modulus [Pa]: of the oedometer, by place; cells
 	/// null: every point by itself.
-	void compress(const double* modulus, double dt, const CellMeans<D>* cells, const ActiveRange& range);
+	void compress(
+	        const StepContext<D>& step, const PointsInMotion<D>& moving, const double* modulus, const CellMeans<D>* cells, const Gradients<D>& gradient);
 	/// Gives all points back the displacement gradient that they had.
-	void restoreGradients();
+	void restoreGradients(const Gradients<D>& gradient) { lost_.takeOut(gradient); }
 	/// Of cells or points only these take memory.
 	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint);
 	/// What is wrong where the law alone, of thawedModulus(), gives as much strain as the curve at the start, or
@@ -58,21 +60,13 @@ private:
 		double strain; ///< of its volume, if its stress stays [-]
 		double excess; ///< factor on the volume in Sharing::stiffened, less 1
 	};
-	/// Gradient of a point as it was.
-	struct Before {
-		int                       place;
-		std::array<double, D * D> gradient;
-	};
 	Sharing& sharing(int place) { return sharing_[cells_ ? cells_->cell(place) : place]; }
-	/// Effective, along gravity [Pa].
-	double pressureAt(int place) const;
-	double melted(int place) const;
-	Wish   wishOf(int place, double bearing, double modulus, double taken) const;
-	void   lose(int place, double strain);
+	double   melted(int place) const;
+	/// present: volume of the point over that at the start [-].
+	Wish wishOf(int place, double present, double bearing, double modulus, double taken) const;
 
 	const GroundSettings<D>* settings_;
 	MaterialPoints<D>*       points_     = nullptr;
-	SolidMotion<D>*          motion_     = nullptr;
 	const CellMeans<D>*      cells_      = nullptr;
 	const ThawStrain<D>*     thawStrain_ = nullptr;
 	const double *           porosity_ = nullptr, *iceSaturation_ = nullptr;
@@ -86,9 +80,9 @@ private:
 	/// water that of its thawed part: frozen points stand in tension beside it.
 	bool ofThawed_ = false;
 	/// In which the stress that counts follows that of the cell [s]: sound that runs through the ground as it settles presses nothing together.
-	double              smoothingTime_ = 0.0;
-	std::vector<int>    ofSkeleton_, thawed_;
-	std::vector<Before> changed_;
+	double           smoothingTime_ = 0.0;
+	std::vector<int> ofSkeleton_, thawed_;
+	AddedStrain<D>   lost_;
 };
 
 extern template class ThawedCompression<2>;

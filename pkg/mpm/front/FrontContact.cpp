@@ -8,9 +8,6 @@
 namespace talik {
 
 namespace {
-	/// A side with less of a node's mass than this has no velocity of its own there: the quotient would be round-off.
-	constexpr double smallestMassShare = 1e-9;
-
 	template <int D> using In = typename FrontContact<D>::Inputs;
 	template <int D> using R  = FrontRecords<D>;
 
@@ -63,7 +60,7 @@ namespace {
 		c.solid  = { sums[R<D>::massAt], sums[R<D>::thawedMassAt] };
 		c.liquid = { sums[R<D>::liquidMassAt], sums[R<D>::thawedLiquidMassAt] };
 		for (const double solid : c.solid)
-			if (!(solid > smallestMassShare * mass)) return false;
+			if (!(solid > FrontConstants::smallestMassShare * mass)) return false;
 		Vec<D> own = directionOf<D>(sums);
 		for (int a = 0; a < D; ++a)
 			if (in.constraints.solidFixed(node, a)) own[a] = 0.0;
@@ -146,7 +143,7 @@ namespace {
 	{
 		const Vec<D>& gravity = in.motion.settings->gravity;
 		const double  weight = lengthOf<D>(gravity), along = dot<D>(c.jump, c.normal), slipping = dot<D>(c.jump, c.jump) - along * along;
-		return -dot<D>(gravity, c.normal) > in.restingWeight * weight && slipping <= std::max(along * along, weight * weight * in.dt * in.dt);
+		return -dot<D>(gravity, c.normal) > in.constants.restingWeight * weight && slipping <= std::max(along * along, weight * weight * in.dt * in.dt);
 	}
 
 	/// The sides share their normal velocity unless the thawed ground would have to carry more tension than it does. The reaction is that of forces
@@ -205,7 +202,7 @@ namespace {
 			const double common      = (momentum[0] + momentum[1]) / (c.solid[0] + c.solid[1]);
 			for (int side = 0; side < 2; ++side) {
 				d.solid[side][a] = momentum[side] / c.solid[side] - common;
-				if (!in.water || !(c.liquid[side] > smallestMassShare * (c.liquid[0] + c.liquid[1]))) continue;
+				if (!in.water || !(c.liquid[side] > FrontConstants::smallestMassShare * (c.liquid[0] + c.liquid[1]))) continue;
 				const double frozen = sums[R<D>::liquidMomentumAt + a], all = in.water->nodes[node][PoreWater<D>::momentumAt + a];
 				d.liquid[side][a] = (side == 0 ? frozen : all - frozen) / c.liquid[side] - in.water->start[node][a];
 			}
@@ -241,12 +238,12 @@ namespace {
 	}
 } // namespace
 
-template <int D> void FrontContact<D>::solve(const Inputs& in, bool parallel, FrontRecords<D>& records, std::vector<double>& work)
+template <int D> void FrontContact<D>::solve(const StepContext<D>& step, const Inputs& in, FrontRecords<D>& records, std::vector<double>& work)
 {
 	const int     count     = in.nodes.count();
 	constexpr int piece     = 64;
 	const auto    overSlots = [&](auto&& task) {
-                ThreadTeam::run((count + piece - 1) / piece, parallel ? ThreadTeam::threads() : 1, [&](int i, int) {
+                ThreadTeam::run((count + piece - 1) / piece, step.halo.parallel ? ThreadTeam::threads() : 1, [&](int i, int) {
                         for (int slot = i * piece; slot < std::min(count, (i + 1) * piece); ++slot)
                                 task(slot);
                 });

@@ -5,6 +5,7 @@
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/front/FrontNodes.hpp>
 #include <pkg/mpm/front/FrontRecords.hpp>
+#include <pkg/mpm/StepContext.hpp>
 
 #include <vector>
 
@@ -40,12 +41,12 @@ public:
 		const SolidMotion<D>&       motion;
 		const PoreWater<D>*         water; ///< null in ground without
 		const MotionConstraints<D>& constraints;
-		double                      dt;
-		double                      restingWeight; ///< see FrontConstants
+		const FrontConstants&       constants;
+		double                      dt; ///< of the step [s]
 	};
 	/// Corrections of the velocities of both sides at all front nodes, from the folded sums, and the work [J] that the forces between the sides
 	/// take up at each.
-	void solve(const Inputs& in, bool parallel, FrontRecords<D>& records, std::vector<double>& work);
+	void solve(const StepContext<D>& step, const Inputs& in, FrontRecords<D>& records, std::vector<double>& work);
 	/// Part of a jump of the solid that drag gives to the liquid, at a node solved before [-].
 	double follows(int slot) const { return contacts_[slot].follows; }
 

@@ -28,33 +28,32 @@ FrontNodes<D>::FrontNodes(const ThawFrontSettings& settings)
         : settings_(settings)
 {}
 
-template <int D> void FrontNodes<D>::bind(const Grid<D>& grid, const MaterialPoints<D>& points, double* side, const double* iceSaturation)
+template <int D> void FrontNodes<D>::bind(const Grid<D>& grid, const MaterialPoints<D>& points, double* side)
 {
-	points_        = &points;
-	side_          = side;
-	iceSaturation_ = iceSaturation;
-	reach_         = offsetsOf(grid, -2, 1);
-	beside_        = offsetsOf(grid, -1, 1);
-	margin_        = 0;
+	points_ = &points;
+	side_   = side;
+	reach_  = offsetsOf(grid, -2, 1);
+	beside_ = offsetsOf(grid, -1, 1);
+	margin_ = 0;
 	for (int a = 0; a < D; ++a)
 		margin_ += 2 * grid.nodeStride(a);
 	cell_.reset(points.count());
-	for (auto* marks : { &sides_, &reached_, &near_ })
+	for (auto* marks : { &sides_, &sidesAt_, &near_ })
 		marks->assign(grid.nodeCount() + 2 * margin_, 0);
 	slot_.assign(grid.nodeCount(), -1);
 	nodes_.clear();
 }
 
-template <int D> void FrontNodes<D>::start(int first, int end)
+template <int D> void FrontNodes<D>::start(int first, int end, const double* iceSaturation)
 {
 	for (int p = first; p < end; ++p)
-		side_[p] = iceSaturation_[p] > settings_.thawedBelow ? 1.0 : 0.0;
+		side_[p] = iceSaturation[p] > settings_.thawedBelow ? 1.0 : 0.0;
 }
 
-template <int D> void FrontNodes<D>::updateSides(int first, int last)
+template <int D> void FrontNodes<D>::updateSides(int first, int last, const double* iceSaturation)
 {
 	for (int p = first; p < last; ++p)
-		side_[p] = iceSaturation_[p] >= settings_.frozenAbove ? 1.0 : iceSaturation_[p] <= settings_.thawedBelow ? 0.0 : side_[p];
+		side_[p] = iceSaturation[p] >= settings_.frozenAbove ? 1.0 : iceSaturation[p] <= settings_.thawedBelow ? 0.0 : side_[p];
 }
 
 template <int D> void FrontNodes<D>::markCells(const Grid<D>& grid, int first, int last)
@@ -74,10 +73,10 @@ template <int D> void FrontNodes<D>::markCells(const Grid<D>& grid, int first, i
 template <int D> void FrontNodes<D>::spreadSides(const ActiveRange& range)
 {
 	const int first = range.firstNode + margin_, last = range.lastNode + margin_;
-	std::fill(reached_.begin(), reached_.end(), 0);
+	std::fill(sidesAt_.begin(), sidesAt_.end(), 0);
 	for (const int step : reach_) {
 		const unsigned char* const from = sides_.data() + step;
-		unsigned char* const       to   = reached_.data();
+		unsigned char* const       to   = sidesAt_.data();
 		for (int i = first; i < last; ++i)
 			to[i] |= from[i];
 	}
@@ -86,14 +85,14 @@ template <int D> void FrontNodes<D>::spreadSides(const ActiveRange& range)
 template <int D> void FrontNodes<D>::joinMirrors(const Mirrors& mirrors)
 {
 	const auto join = [&](const auto& m) {
-		unsigned char &ghost = reached_[m.ghost + margin_], &inner = reached_[m.inner + margin_];
+		unsigned char &ghost = sidesAt_[m.ghost + margin_], &inner = sidesAt_[m.inner + margin_];
 		ghost = inner = ghost | inner;
 	};
 	std::for_each(mirrors.begin(), mirrors.end(), join);
 	std::for_each(mirrors.rbegin(), mirrors.rend(), join);
 	// where the sides part in front of a wall that has left its nodes, each has a velocity of its own on them too
 	for (const auto& m : mirrors)
-		if (m.lead != 0.0 && reached_[m.inner + margin_] == bothBits) reached_[m.wall() + margin_] = bothBits;
+		if (m.lead != 0.0 && sidesAt_[m.inner + margin_] == bothBits) sidesAt_[m.wall() + margin_] = bothBits;
 }
 
 template <int D> void FrontNodes<D>::listNodes(const ActiveRange& range)
@@ -102,7 +101,7 @@ template <int D> void FrontNodes<D>::listNodes(const ActiveRange& range)
 		slot_[node] = -1;
 	nodes_.clear();
 	for (int i = range.firstNode; i < range.lastNode; ++i)
-		if (reached_[i + margin_] == bothBits) {
+		if (sidesAt_[i + margin_] == bothBits) {
 			slot_[i] = int(nodes_.size());
 			nodes_.push_back(i);
 		}
@@ -116,24 +115,24 @@ template <int D> void FrontNodes<D>::markNear()
 			near_[node + margin_ + step] = 1;
 }
 
-template <int D> void FrontNodes<D>::find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
+template <int D> void FrontNodes<D>::find(const StepContext<D>& step, const double* iceSaturation, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
 {
 	std::fill(sides_.begin(), sides_.end(), 0);
-	points_->strips().scatter(
+	step.strips.scatter(
 	        [&](int, int first, int last) {
-		        updateSides(first, last);
-		        markCells(grid, first, last);
+		        updateSides(first, last, iceSaturation);
+		        markCells(step.grid, first, last);
 	        },
 	        [&](SharedRows& rows) {
 		        rows.beyond = true;
 		        rows.cellsByNode(sides_.data() + margin_);
 	        });
-	spreadSides(range);
+	spreadSides(step.halo);
 	joinMirrors(mirrors);
 	// the liquid of a ghost that stays free of the wall belongs to no side of the node that its solid is folded into
 	for (const int node : freeLiquid)
-		reached_[node + margin_] = 0;
-	listNodes(range);
+		sidesAt_[node + margin_] = 0;
+	listNodes(step.halo);
 	markNear();
 }
 

@@ -6,6 +6,7 @@
 #include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/StepContext.hpp>
 
 #include <vector>
 
@@ -18,16 +19,16 @@ public:
 	using Mirrors = std::vector<typename MotionConstraints<D>::Mirror>;
 
 	explicit FrontNodes(const ThawFrontSettings& settings);
-	/// side, iceSaturation: whole arrays by place; side is 1 for frozen and 0 for thawed points.
-	void bind(const Grid<D>& grid, const MaterialPoints<D>& points, double* side, const double* iceSaturation);
-	/// Sides of points first .. end at the start of a scene.
-	void start(int first, int end);
+	/// side: whole array by place, 1 for frozen and 0 for thawed points.
+	void bind(const Grid<D>& grid, const MaterialPoints<D>& points, double* side);
+	/// Sides of points first .. end at the start of a scene, from their ice saturation, by place [-].
+	void start(int first, int end, const double* iceSaturation);
 	/// Only points of this part are used from now on.
 	void keepOnly(int firstPoint, int endPoint) { cell_.keepOnly(firstPoint, endPoint); }
 
-	/// Sides of the points from their ice saturation, and the front nodes of a step. mirrors, in the order in which they are folded: a node
+	/// Sides of the points from their ice saturation, by place, and the front nodes of a step. mirrors, in the order in which they are folded: a node
 	/// and its mirror image belong together. freeLiquid: nodes that have one velocity, because the liquid of a ghost is not folded there.
-	void find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
+	void find(const StepContext<D>& step, const double* iceSaturation, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
 
 	bool empty() const { return nodes_.empty(); }
 	int  count() const { return int(nodes_.size()); }
@@ -57,7 +58,7 @@ public:
 	}
 
 private:
-	void updateSides(int first, int last);
+	void updateSides(int first, int last, const double* iceSaturation);
 	void markCells(const Grid<D>& grid, int first, int last);
 	void spreadSides(const ActiveRange& range);
 	void joinMirrors(const Mirrors& mirrors);
@@ -65,18 +66,17 @@ private:
 	void markNear();
 
 	ThawFrontSettings          settings_;
-	const MaterialPoints<D>*   points_        = nullptr;
-	const double*              iceSaturation_ = nullptr;
-	double*                    side_          = nullptr;
-	int                        margin_        = 0; ///< of the arrays by node below, so that a reach never leaves them
-	PagedArray<int>            cell_;              ///< by place: node at the lower corner of the point's cell, counted with the margin
-	std::vector<unsigned char> sides_;             ///< by that node: sides of the points in the cell
-	std::vector<unsigned char> reached_;           ///< by node: sides that may reach it
-	std::vector<unsigned char> near_;              ///< by the lower node of a cell: its points reach front nodes
-	std::vector<int>           reach_;             ///< from a node to the lower nodes of the cells whose points may touch it
-	std::vector<int>           beside_;            ///< from a node to those around it and itself
-	std::vector<int>           slot_;              ///< by node: place in the list of front nodes, or -1
-	std::vector<int>           nodes_;             ///< front nodes, ascending
+	const MaterialPoints<D>*   points_ = nullptr;
+	double*                    side_   = nullptr;
+	int                        margin_ = 0; ///< of the arrays by node below, so that a reach never leaves them
+	PagedArray<int>            cell_;       ///< by place: node at the lower corner of the point's cell, counted with the margin
+	std::vector<unsigned char> sides_;      ///< by that node: sides of the points in the cell
+	std::vector<unsigned char> sidesAt_;    ///< by node: sides whose points may touch it
+	std::vector<unsigned char> near_;       ///< by the lower node of a cell: its points reach front nodes
+	std::vector<int>           reach_;      ///< from a node to the lower nodes of the cells whose points may touch it
+	std::vector<int>           beside_;     ///< from a node to those around it and itself
+	std::vector<int>           slot_;       ///< by node: place in the list of front nodes, or -1
+	std::vector<int>           nodes_;      ///< front nodes, ascending
 	std::vector<int>           rowStarts_;
 	std::vector<int>           chosen_;
 };

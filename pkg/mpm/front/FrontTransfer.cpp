@@ -5,15 +5,10 @@
 
 namespace talik {
 
-template <int D>
-void FrontTransfer<D>::bind(
-        const FrontNodes<D>& nodes, FrontRecords<D>& records, SolidMotion<D>& motion, PoreWater<D>* water, const Pores& pores, double* slip, int points)
+template <int D> void FrontTransfer<D>::bind(const FrontNodes<D>& nodes, FrontRecords<D>& records, double* slip, int points, bool water)
 {
 	nodes_   = &nodes;
 	records_ = &records;
-	motion_  = &motion;
-	water_   = water;
-	pores_   = pores;
 	slip_    = slip;
 	friction_.reset(points);
 	cohesion_.reset(points);
@@ -32,7 +27,7 @@ template <int D> void FrontTransfer<D>::setStrength(int place, const std::option
 	cohesion_[place] = strength ? strength->cohesion : R::unlimited;
 }
 
-template <int D> void FrontTransfer<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine)
+template <int D> void FrontTransfer<D>::map(const StepContext<D>& step, const WeightBlock<D>& w, const Points& points, const AffineVelocity<D>* affine)
 {
 	if (nodes_->empty()) return;
 	typename Loops::template Shares<Frozen>            frozenShares;
@@ -41,13 +36,13 @@ template <int D> void FrontTransfer<D>::map(const Grid<D>& grid, const WeightBlo
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		if (!nodes_->near(p)) continue;
-		if (water_) mappedLiquid_[p] = liquidMass(p);
-		if (nodes_->frozen(p)) bringFrozen(p, frozenShares.next(k));
+		if (points.water) mappedLiquid_[p] = points.liquidMass(p);
+		if (nodes_->frozen(p)) bringFrozen(points, p, frozenShares.next(k));
 		else {
-			bringThawed(p, thawedShares.next(k));
-			if (water_) bringPores(p, poreShares.next(k));
+			bringThawed(points, p, thawedShares.next(k));
+			if (points.water) bringPores(points, p, poreShares.next(k));
 		}
-		if (affine) bringAffine(grid, w, k, *affine);
+		if (affine) bringAffine(step.grid, w, k, points.motion.mass[p], *affine);
 	}
 	const typename Loops::template SomeRecords<double> records { nodes_->slots(), records_->firstSums(), R::sumsSize };
 	nodeLoops<D>().mapFrozen(w, frozenShares, records);
@@ -55,59 +50,60 @@ template <int D> void FrontTransfer<D>::map(const Grid<D>& grid, const WeightBlo
 	nodeLoops<D>().mapPores(w, poreShares, records);
 }
 
-template <int D> void FrontTransfer<D>::bringFrozen(int p, Share<Frozen>& share) const
+template <int D> void FrontTransfer<D>::bringFrozen(const Points& points, int p, Share<Frozen>& share) const
 {
-	const double m = motion_->mass[p], ml = water_ ? liquidMass(p) : 0.0, volume = motion_->volume[p];
-	const double added              = motion_->addedStress ? motion_->addedStress[p] : 0.0;
+	const double m = points.motion.mass[p], ml = points.water ? points.liquidMass(p) : 0.0, volume = points.motion.volume[p];
+	const double added              = points.motion.addedStress ? points.motion.addedStress[p] : 0.0;
 	share.value[Frozen::mass]       = m;
 	share.value[Frozen::liquidMass] = ml;
 	share.value[Frozen::volume]     = volume;
 	for (int i = 0; i < D; ++i) {
-		share.value[Frozen::momentum + i] = m * motion_->velocity[i][p];
-		if (water_) share.value[Frozen::liquidMomentum + i] = ml * water_->velocity[i][p];
+		share.value[Frozen::momentum + i] = m * points.motion.velocity[i][p];
+		if (points.water) share.value[Frozen::liquidMomentum + i] = ml * points.water->velocity[i][p];
 		for (int a = 0; a < D; ++a)
-			share.slope[a][Frozen::force - Frozen::straight + i] = -volume * (motion_->stress[stressIndex<D>(i, a)][p] + (i == a ? added : 0.0));
+			share.slope[a][Frozen::force - Frozen::straight + i] = -volume
+			        * (points.motion.stress[stressIndex<D>(i, a)][p] + (i == a ? added : 0.0));
 		share.slope[i][Frozen::area - Frozen::straight + i] = volume;
 	}
 }
 
-template <int D> void FrontTransfer<D>::bringThawed(int p, Share<Thawed>& share) const
+template <int D> void FrontTransfer<D>::bringThawed(const Points& points, int p, Share<Thawed>& share) const
 {
-	const double volume = motion_->volume[p], m = motion_->mass[p], pressure = water_ ? water_->pressure[p] : 0.0;
+	const double volume = points.motion.volume[p], m = points.motion.mass[p], pressure = points.water ? points.water->pressure[p] : 0.0;
 	share.value[Thawed::volume] = volume;
 	share.value[Thawed::mass]   = m;
 	for (int i = 0; i < D; ++i)
-		share.value[Thawed::momentum + i] = m * motion_->velocity[i][p];
-	share.value[Thawed::liquidMass] = water_ ? liquidMass(p) : 0.0;
+		share.value[Thawed::momentum + i] = m * points.motion.velocity[i][p];
+	share.value[Thawed::liquidMass] = points.water ? points.liquidMass(p) : 0.0;
 	share.value[Thawed::friction]   = volume * friction_[p];
 	share.value[Thawed::cohesion]   = volume * cohesion_[p];
 	for (int c = 0; c < stressSize<D>; ++c)
-		share.value[Thawed::stress + c] = volume * (motion_->stress[c][p] - (c < D ? pressure : 0.0));
+		share.value[Thawed::stress + c] = volume * (points.motion.stress[c][p] - (c < D ? pressure : 0.0));
 	for (int a = 0; a < D; ++a)
 		share.slope[a][Thawed::area - Thawed::straight + a] = volume;
 }
 
 /// Mass of water that fills the volume of a thawed point where its pores are full [kg]: what it would bear of its weight if it were still.
-template <int D> double FrontTransfer<D>::fullMass(int p) const
+template <int D> double FrontTransfer<D>::fullMass(const Points& points, int p) const
 {
-	const double liquid = liquidMass(p), fraction = water_->liquidFraction[p];
+	const double liquid = points.liquidMass(p), fraction = points.water->liquidFraction[p];
 	if (!(liquid > 0.0) || !(fraction > 0.0)) return 0.0;
-	const double fill = fraction * pores_.waterMass[p] / (liquid * pores_.porosity[p]);
+	const double fill = fraction * points.waterMass[p] / (liquid * points.porosity[p]);
 	return liquid / fraction * std::clamp((fill - constants_.nearlyFull) / (constants_.full - constants_.nearlyFull), 0.0, 1.0);
 }
 
-template <int D> void FrontTransfer<D>::bringPores(int p, Share<typename R::Pores>& share) const
+template <int D> void FrontTransfer<D>::bringPores(const Points& points, int p, Share<typename R::Pores>& share) const
 {
 	using Columns                  = typename R::Pores;
-	share.value[Columns::fullMass] = fullMass(p);
+	share.value[Columns::fullMass] = fullMass(points, p);
 	for (int a = 0; a < D; ++a)
-		share.slope[a][Columns::force + a] = motion_->volume[p] * water_->pressure[p];
+		share.slope[a][Columns::force + a] = points.motion.volume[p] * points.water->pressure[p];
 }
 
-template <int D> void FrontTransfer<D>::bringAffine(const Grid<D>& grid, const WeightBlock<D>& w, int k, const AffineVelocity<D>& affine)
+template <int D> void FrontTransfer<D>::bringAffine(const Grid<D>& grid, const WeightBlock<D>& w, int k, double mass, const AffineVelocity<D>& affine)
 {
 	const int p = w.first + k, at = nodes_->frozen(p) ? R::momentumAt : R::thawedMomentumAt;
-	affine.overMomenta(grid, w, k, motion_->mass[p], [&](int node, const Vec<D>& momentum) {
+	affine.overMomenta(grid, w, k, mass, [&](int node, const Vec<D>& momentum) {
 		if (nodes_->slot(node) < 0) return;
 		for (int i = 0; i < D; ++i)
 			records_->sums(nodes_->slot(node))[at + i] += momentum[i];
@@ -124,20 +120,20 @@ template <int D> void FrontTransfer<D>::push(const WeightBlock<D>& w, int k, con
 	});
 }
 
-template <int D> void FrontTransfer<D>::addGravity()
+template <int D> void FrontTransfer<D>::addGravity(const Vec<D>& gravity)
 {
 	for (int slot = 0; slot < nodes_->count(); ++slot) {
 		double*      sums = records_->sums(slot);
 		const double mass = sums[R::massAt] + sums[R::liquidMassAt];
 		for (int a = 0; a < D; ++a)
-			sums[R::forceAt + a] += mass * motion_->settings->gravity[a];
+			sums[R::forceAt + a] += mass * gravity[a];
 	}
 }
 
-template <int D> void FrontTransfer<D>::addLoad(int slot, const Vec<D>& force)
+template <int D> void FrontTransfer<D>::addLoad(int slot, double mass, const Vec<D>& force)
 {
 	double*      sums  = records_->sums(slot);
-	const double share = sums[R::massAt] / motion_->nodes[nodes_->node(slot)][SolidMotion<D>::massAt];
+	const double share = sums[R::massAt] / mass;
 	for (int a = 0; a < D; ++a)
 		sums[R::forceAt + a] += share * force[a];
 }
@@ -153,7 +149,7 @@ template <int D> const double* FrontTransfer<D>::correction(int node, int p) con
 	return records_->answer(nodes_->slot(node)) + (nodes_->frozen(p) ? 0 : R::sideSize) + R::velocityAt;
 }
 
-template <int D> void FrontTransfer<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine)
+template <int D> void FrontTransfer<D>::gather(const StepContext<D>& step, const WeightBlock<D>& w, const Points& points, const AffineVelocity<D>* affine)
 {
 	if (nodes_->empty()) return;
 	const typename Loops::template SomeRecords<const double> records { nodes_->slots(), records_->firstAnswer(), R::answerSize };
@@ -167,24 +163,25 @@ template <int D> void FrontTransfer<D>::gather(const Grid<D>& grid, const Weight
 			Vec<D> slipping;
 			for (int i = 0; i < D; ++i)
 				slipping[i] = sums.slip[R::Slip::velocity + i];
-			slip_[p] += dt * lengthOf<D>(slipping);
+			slip_[p] += step.dt * lengthOf<D>(slipping);
 		}
-		move(p, dt, sums);
-		if (affine) affine->addGradient(grid, w, k, [&](int node) { return correction(node, p); });
+		move(points, p, step.dt, sums);
+		if (affine) affine->addGradient(step.grid, w, k, [&](int node) { return correction(node, p); });
 	}
 }
 
-template <int D> void FrontTransfer<D>::move(int p, double dt, const typename Loops::FrontSums& sums)
+template <int D> void FrontTransfer<D>::move(const Points& points, int p, double dt, const typename Loops::FrontSums& sums) const
 {
+	SolidMotion<D>& motion = points.motion;
 	for (int i = 0; i < D; ++i) {
 		const double velocity = sums.side[R::velocityAt + i];
-		motion_->velocity[i][p] += sums.side[R::gainAt + i];
+		motion.velocity[i][p] += sums.side[R::gainAt + i];
 		// water that came by seepage since has diluted the momentum
-		if (water_) water_->velocity[i][p] += sums.side[R::liquidGainAt + i] * (mappedLiquid_[p] / liquidMass(p));
-		motion_->position[i][p] += dt * velocity;
-		motion_->displacement[i][p] += dt * velocity;
+		if (points.water) points.water->velocity[i][p] += sums.side[R::liquidGainAt + i] * (mappedLiquid_[p] / points.liquidMass(p));
+		motion.position[i][p] += dt * velocity;
+		motion.displacement[i][p] += dt * velocity;
 		for (int j = 0; j < D; ++j)
-			motion_->gradient[i * D + j][p] += dt * sums.gradient[j][i];
+			motion.gradient[i * D + j][p] += dt * sums.gradient[j][i];
 	}
 }
 

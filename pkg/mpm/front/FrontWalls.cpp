@@ -39,7 +39,7 @@ namespace {
 	}
 } // namespace
 
-template <int D> void FrontWalls<D>::fold(const FrontNodes<D>& nodes, const Mirrors& mirrors, double dt, FrontRecords<D>& records)
+template <int D> void FrontWalls<D>::fold(const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records)
 {
 	folded_.assign(mirrors.size(), {});
 	for (std::size_t k = 0; k < mirrors.size(); ++k) {
@@ -47,12 +47,12 @@ template <int D> void FrontWalls<D>::fold(const FrontNodes<D>& nodes, const Mirr
 		if (!folds<D>(nodes, m)) continue;
 		double* ghost = records.sums(nodes.slot(m.ghost));
 		folded_[k]    = { ghost[R<D>::massAt], ghost[R<D>::thawedMassAt], ghost[R<D>::liquidMassAt], ghost[R<D>::thawedLiquidMassAt] };
-		foldNumbers<D>(m, dt, ghost, records.sums(nodes.slot(m.inner)));
+		foldNumbers<D>(m, step.dt, ghost, records.sums(nodes.slot(m.inner)));
 		std::fill(ghost, ghost + R<D>::sumsSize, 0.0);
 	}
 }
 
-template <int D> void FrontWalls<D>::unfold(const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records, StepLedger<D>& ledger) const
+template <int D> void FrontWalls<D>::unfold(const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records) const
 {
 	for (std::size_t k = mirrors.size(); k-- > 0;) {
 		const auto& m = mirrors[k];
@@ -60,7 +60,7 @@ template <int D> void FrontWalls<D>::unfold(const FrontNodes<D>& nodes, const Mi
 		const std::array<double, 4>& mass    = folded_[k];
 		const double*                inner   = records.answer(nodes.slot(m.inner));
 		double*                      ghost   = records.answer(nodes.slot(m.ghost));
-		StepAccount<D>&              account = ledger.ofNode(m.inner);
+		StepAccount<D>&              account = step.ledger.ofNode(m.inner);
 		for (int a = 0; a < D; ++a) {
 			// what the sides gain cancels out on a node and its image together; a wall turns the part of the image round
 			const double turned = (m.sign[a] - 1.0)
@@ -79,7 +79,8 @@ template <int D> void FrontWalls<D>::unfold(const FrontNodes<D>& nodes, const Mi
 
 /// Eq. (8.5). The face of frozen ground on the wall is no front.
 template <int D>
-void FrontWalls<D>::pushAhead(const FrontNodes<D>& nodes, const Mirrors& mirrors, const SolidMotion<D>& motion, double dt, FrontRecords<D>& records) const
+void FrontWalls<D>::pushAhead(
+        const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, const SolidMotion<D>& motion, FrontRecords<D>& records) const
 {
 	for (const auto& m : mirrors) {
 		if (!leads<D>(nodes, motion, m)) continue;
@@ -87,7 +88,7 @@ void FrontWalls<D>::pushAhead(const FrontNodes<D>& nodes, const Mirrors& mirrors
 		double*       inner = records.sums(nodes.slot(m.inner));
 		for (int a = 0; a < D; ++a) {
 			if (m.sign[a] > 0.0) continue;
-			inner[R<D>::forceAt + a] += m.lead * ((on[R<D>::massAt] + on[R<D>::liquidMassAt]) * m.change[a] / dt - on[R<D>::forceAt + a]);
+			inner[R<D>::forceAt + a] += m.lead * ((on[R<D>::massAt] + on[R<D>::liquidMassAt]) * m.change[a] / step.dt - on[R<D>::forceAt + a]);
 			for (const int at : { R<D>::areaAt, R<D>::thawedAreaAt })
 				inner[at + a] -= m.lead * on[at + a];
 		}
@@ -97,15 +98,15 @@ void FrontWalls<D>::pushAhead(const FrontNodes<D>& nodes, const Mirrors& mirrors
 /// As v_0 of eq. (8.5) has it for the common velocity of both sides.
 template <int D>
 void FrontWalls<D>::leadWalls(
-        const FrontNodes<D>& nodes, const Mirrors& mirrors, const SolidMotion<D>& motion, const FrontContact<D>& contact, bool liquid, FrontRecords<D>& records,
-        StepLedger<D>& ledger) const
+        const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, const SolidMotion<D>& motion, const FrontContact<D>& contact,
+        bool liquid, FrontRecords<D>& records) const
 {
 	for (const auto& m : mirrors) {
 		if (!leads<D>(nodes, motion, m)) continue;
 		const double*   on      = records.sums(nodes.slot(m.wall()));
 		const double*   inner   = records.answer(nodes.slot(m.inner));
 		double*         wall    = records.answer(nodes.slot(m.wall()));
-		StepAccount<D>& account = ledger.ofNode(m.wall());
+		StepAccount<D>& account = step.ledger.ofNode(m.wall());
 		const double    follows = contact.follows(nodes.slot(m.inner));
 		const double mass[2] = { on[R<D>::massAt] + follows * on[R<D>::liquidMassAt], on[R<D>::thawedMassAt] + follows * on[R<D>::thawedLiquidMassAt] };
 		for (int side = 0; side < 2; ++side)

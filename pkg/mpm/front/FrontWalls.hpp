@@ -2,7 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/front/FrontContact.hpp>
-#include <pkg/mpm/StepLedger.hpp>
+#include <pkg/mpm/StepContext.hpp>
 
 #include <vector>
 
@@ -13,15 +13,16 @@ template <int D> class FrontWalls {
 public:
 	using Mirrors = typename FrontNodes<D>::Mirrors;
 
-	void fold(const FrontNodes<D>& nodes, const Mirrors& mirrors, double dt, FrontRecords<D>& records);
+	void fold(const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records);
 	/// The frozen side's part of what walls that have left their nodes push; call after fold().
-	void pushAhead(const FrontNodes<D>& nodes, const Mirrors& mirrors, const SolidMotion<D>& motion, double dt, FrontRecords<D>& records) const;
+	void pushAhead(
+	        const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, const SolidMotion<D>& motion, FrontRecords<D>& records) const;
 	/// Both sides move with such a wall where it stands; books what the wall gives.
 	void leadWalls(
-	        const FrontNodes<D>& nodes, const Mirrors& mirrors, const SolidMotion<D>& motion, const FrontContact<D>& contact, bool liquid,
-	        FrontRecords<D>& records, StepLedger<D>& ledger) const;
+	        const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, const SolidMotion<D>& motion, const FrontContact<D>& contact,
+	        bool liquid, FrontRecords<D>& records) const;
 	/// Answers of the ghosts; books what walls give to the sides apart.
-	void unfold(const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records, StepLedger<D>& ledger) const;
+	void unfold(const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records) const;
 
 private:
 	std::vector<std::array<double, 4>> folded_; ///< by mirror: masses that went from a ghost to its image, frozen, thawed, and their liquids [kg]

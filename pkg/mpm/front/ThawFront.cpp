@@ -18,19 +18,13 @@ ThawFront<D>::ThawFront(PointFields& fields, const ThawFrontSettings& settings)
         , slipField_(fields.declare("slip", "thaw front", "m", 1))
         , nodes_(settings)
         , transfer_(settings.constants)
-        , restingWeight_(settings.constants.restingWeight)
+        , constants_(settings.constants)
 {}
 
-template <int D>
-void ThawFront<D>::bind(
-        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation,
-        const typename FrontTransfer<D>::Pores& pores)
+template <int D> void ThawFront<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, bool water)
 {
-	motion_            = &motion;
-	water_             = water;
-	double* const slip = points.fields().component(slipField_);
-	nodes_.bind(grid, points, points.fields().component(sideField_), iceSaturation);
-	transfer_.bind(nodes_, records_, motion, water, pores, slip, points.count());
+	nodes_.bind(grid, points, points.fields().component(sideField_));
+	transfer_.bind(nodes_, records_, points.fields().component(slipField_), points.count(), water);
 }
 
 template <int D> void ThawFront<D>::keepOnly(int firstPoint, int endPoint)
@@ -39,29 +33,30 @@ template <int D> void ThawFront<D>::keepOnly(int firstPoint, int endPoint)
 	transfer_.keepOnly(firstPoint, endPoint);
 }
 
-template <int D> void ThawFront<D>::find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
+template <int D> void ThawFront<D>::find(const StepContext<D>& step, const double* iceSaturation, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
 {
-	nodes_.find(grid, range, mirrors, freeLiquid);
+	nodes_.find(step, iceSaturation, mirrors, freeLiquid);
 	records_.clear(nodes_.count());
 }
 
-template <int D> void ThawFront<D>::addLoad(int node, const Vec<D>& force)
+template <int D> void ThawFront<D>::addLoad(int node, double mass, const Vec<D>& force)
 {
-	if (present() && nodes_.slot(node) >= 0) transfer_.addLoad(nodes_.slot(node), force);
+	if (present() && nodes_.slot(node) >= 0) transfer_.addLoad(nodes_.slot(node), mass, force);
 }
 
 template <int D>
-void ThawFront<D>::solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, StepLedger<D>& ledger)
+void ThawFront<D>::solve(
+        const StepContext<D>& step, const SolidMotion<D>& motion, const PoreWater<D>* water, const MotionConstraints<D>& constraints, const Mirrors& mirrors)
 {
 	fastest_ = 0.0;
 	if (!present()) return;
-	walls_.fold(nodes_, mirrors, dt, records_);
-	walls_.pushAhead(nodes_, mirrors, *motion_, dt, records_);
-	contact_.solve({ nodes_, *motion_, water_, constraints, dt, restingWeight_ }, range.parallel, records_, work_);
-	walls_.leadWalls(nodes_, mirrors, *motion_, contact_, water_ != nullptr, records_, ledger);
-	walls_.unfold(nodes_, mirrors, records_, ledger);
+	walls_.fold(step, nodes_, mirrors, records_);
+	walls_.pushAhead(step, nodes_, mirrors, motion, records_);
+	contact_.solve(step, { nodes_, motion, water, constraints, constants_, step.dt }, records_, work_);
+	walls_.leadWalls(step, nodes_, mirrors, motion, contact_, water != nullptr, records_);
+	walls_.unfold(step, nodes_, mirrors, records_);
 	for (int slot = 0; slot < nodes_.count(); ++slot)
-		ledger.ofNode(nodes_.node(slot)).slipWork += work_[slot];
+		step.ledger.ofNode(nodes_.node(slot)).slipWork += work_[slot];
 	findFastest();
 }
 

@@ -27,18 +27,18 @@ template <int D> class ThawFront {
 public:
 	using Mirrors = typename FrontNodes<D>::Mirrors;
 
+	/// The points as their effects have them.
+	using Points = typename FrontTransfer<D>::Points;
+
 	ThawFront(PointFields& fields, const ThawFrontSettings& settings);
-	/// iceSaturation and pores are whole arrays of the pore content; water may be null.
-	void bind(
-	        MaterialPoints<D>& points, const Grid<D>& grid, SolidMotion<D>& motion, PoreWater<D>* water, const double* iceSaturation,
-	        const typename FrontTransfer<D>::Pores& pores);
-	/// Sides of all points at the start of the scene.
-	void start(int first, int end) { nodes_.start(first, end); }
+	void bind(MaterialPoints<D>& points, const Grid<D>& grid, bool water);
+	/// Sides of all points at the start of the scene, from their ice saturation, by place [-].
+	void start(int first, int end, const double* iceSaturation) { nodes_.start(first, end, iceSaturation); }
 	/// Only points of this part are used from now on; all others are zero and take no memory.
 	void keepOnly(int firstPoint, int endPoint);
 
-	/// Sides of the points and the front nodes of the step, see FrontNodes::find.
-	void find(const Grid<D>& grid, const ActiveRange& range, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
+	/// Detection: sides of the points and the front nodes of the step, see FrontNodes::find.
+	void find(const StepContext<D>& step, const double* iceSaturation, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
 	void exceptFromMeans(CellMeans<D>& cells, int first, int last) const { nodes_.exceptFromMeans(cells, first, last); }
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
@@ -47,19 +47,28 @@ public:
 	const std::vector<int>& thawedNear(const std::vector<int>& places) { return nodes_.thawedNear(places); }
 	void                    setStrength(int place, const std::optional<ShearStrength>& strength) { transfer_.setStrength(place, strength); }
 
-	void map(const Grid<D>& grid, const WeightBlock<D>& w, const AffineVelocity<D>* affine) { transfer_.map(grid, w, affine); }
+	/// Transfer to the front nodes: what the points of a block bring; affine may be null.
+	void map(const StepContext<D>& step, const WeightBlock<D>& w, const Points& points, const AffineVelocity<D>* affine)
+	{
+		transfer_.map(step, w, points, affine);
+	}
 	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
 	void push(const WeightBlock<D>& w, int k, const Vec<D>& force) { transfer_.push(w, k, force); }
-	void addGravity() { transfer_.addGravity(); }
-	/// Gives the frozen side its part of a surface load on a node [N]; call before mirrors are folded.
-	void addLoad(int node, const Vec<D>& force);
-	/// Corrections of the solved velocities; call when mirrors are folded and before they are unfolded. Books what the force between the
-	/// sides takes from their slip, and what walls give to the sides apart.
-	void solve(const MotionConstraints<D>& constraints, const Mirrors& mirrors, const ActiveRange& range, double dt, StepLedger<D>& ledger);
-	/// Corrects velocity, displacement, position and displacement gradient of a block; affine may be null.
-	void gather(const Grid<D>& grid, const WeightBlock<D>& w, double dt, const AffineVelocity<D>* affine) { transfer_.gather(grid, w, dt, affine); }
+	void addGravity(const Vec<D>& gravity) { transfer_.addGravity(gravity); }
+	/// Gives the frozen side its part of a surface load [N] on a node of this mass [kg]; call before mirrors are folded.
+	void addLoad(int node, double mass, const Vec<D>& force);
 	/// What map() and push() add to.
 	void shareMapped(const Grid<D>& grid, SharedRows& rows) { transfer_.shareMapped(nodes_.rowStarts(grid), rows); }
+	/// Contact and walls: corrections of the velocities that motion and water (null in ground without) have on the nodes. Call when mirrors are folded
+	/// and before they are unfolded. Books what the force between the sides takes from their slip, and what walls give to the sides apart.
+	void solve(
+	        const StepContext<D>& step, const SolidMotion<D>& motion, const PoreWater<D>* water, const MotionConstraints<D>& constraints,
+	        const Mirrors& mirrors);
+	/// Transfer to the points: corrects velocity, displacement, position and displacement gradient of a block; affine may be null.
+	void gather(const StepContext<D>& step, const WeightBlock<D>& w, const Points& points, const AffineVelocity<D>* affine)
+	{
+		transfer_.gather(step, w, points, affine);
+	}
 	/// Largest correction of a velocity at the front nodes, along any axis [m/s].
 	double fastest() const { return fastest_; }
 	/// Correction of the velocity [m/s] with which a point of the given place moves at a node; null for none.
@@ -69,15 +78,13 @@ private:
 	void findFastest();
 
 	PointFields::Handle sideField_, slipField_;
-	SolidMotion<D>*     motion_ = nullptr;
-	PoreWater<D>*       water_  = nullptr;
 	FrontNodes<D>       nodes_;
 	FrontRecords<D>     records_;
 	FrontTransfer<D>    transfer_;
 	FrontContact<D>     contact_;
 	FrontWalls<D>       walls_;
 	std::vector<double> work_; ///< by slot, taken up by the force between the sides in the step [J]
-	double              restingWeight_;
+	FrontConstants      constants_;
 	double              fastest_ = 0.0;
 };
 
