@@ -269,14 +269,17 @@ template <int D> int IceSegregation<D>::cellOfLens(const Grid<D>& grid, const Ac
 	return cell;
 }
 
-/// Near a surface, where cells are filled in part, the heat that leaves there tells the gradient.
+/// Near a surface, where cells are filled in part, the heat that leaves there tells the gradient; of surfaces ranks know less far than of cells.
 template <int D>
-void IceSegregation<D>::seeFrom(const Grid<D>& grid, const ActiveRange& range, int lens, int axis, int side, SegregationPotential::Front& front) const
+void IceSegregation<D>::seeFrom(
+        const Grid<D>& grid, const ActiveRange& range, int first, int lens, int axis, int side, SegregationPotential::Front& front) const
 {
+	constexpr int farthestSurface = 2; // cells behind the first frozen one
 	const int     next = beside(grid, range, lens, axis, side), second = next < 0 ? -1 : beside(grid, range, next, axis, side);
-	const int     last   = next < 0 ? lens : second < 0 ? next : beside(grid, range, second, axis, side) < 0 ? second : -1;
-	const Outside beyond = last < 0 ? Outside { NAN, 0.0 } : outside(grid, last, axis, side);
-	const bool    known  = !std::isnan(beyond.depth);
+	const int     last     = next < 0 ? lens : second < 0 ? next : beside(grid, range, second, axis, side) < 0 ? second : -1;
+	const int     distance = (last - first) / (side * grid.cellStride(axis));
+	const Outside beyond   = last < 0 || distance > farthestSurface ? Outside { NAN, 0.0 } : outside(grid, last, axis, side);
+	const bool    known    = !std::isnan(beyond.depth);
 	if (!known && second < 0) return;
 	front.gradient = known ? beyond.heat / cells_[last].conductivity
 	                       : (cells_[next].depth - cells_[second].depth) / (side * (cells_[second].middle[axis] - cells_[next].middle[axis]));
@@ -317,7 +320,7 @@ typename IceSegregation<D>::Gift IceSegregation<D>::drawn(
 	for (int k = 0; k < 2 && first != from && intake.lens < 0.0; ++k) {
 		lens = cellOfLens(grid, range, first, intake.lens, axis, side);
 		if (lens == first) break;
-		seeFrom(grid, range, lens, axis, side, f);
+		seeFrom(grid, range, first, lens, axis, side, f);
 		const auto seen = soil.intake(f);
 		intake          = { seen.water, seen.lens < 0.0 ? seen.lens : intake.lens };
 	}

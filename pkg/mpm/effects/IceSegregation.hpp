@@ -113,7 +113,7 @@ private:
 	/// The cell with the lens of a front, whose temperature less T_f is lens [K]: the first frozen one or one behind it.
 	int cellOfLens(const Grid<D>& grid, const ActiveRange& range, int first, double lens, int axis, int side) const;
 	/// The front seen from a lens that lies in a cell behind the first frozen one. Unchanged where nothing is known of the ground behind it.
-	void seeFrom(const Grid<D>& grid, const ActiveRange& range, int lens, int axis, int side, SegregationPotential::Front& front) const;
+	void seeFrom(const Grid<D>& grid, const ActiveRange& range, int first, int lens, int axis, int side, SegregationPotential::Front& front) const;
 	/// That comes through the unfrozen ground to the front [W/m^2].
 	double heatBefore(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
 	/// Water that a cell gives in the step to the one with the lens: 0 unless a front lies beside it.

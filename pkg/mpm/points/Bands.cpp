@@ -9,10 +9,10 @@ namespace {
 	/// Rows from the row of cells on with which a strip begins.
 	struct Extent {
 		int first, end; ///< that this strip and the one below touch
-		int beyond;     ///< more on both sides, as far as a solution at the touched nodes reaches: an ice lens lies up to four cells away from the
-		                ///< unfrozen one that gives it water, and three more behind it, or the surface, tell how cold the ground is there
+		int beyond;     ///< more on both sides, as far as a solution at the touched nodes reaches: the direction of the thaw front takes nodes
+		                ///< two rows away; an ice lens lies up to four cells away from the unfrozen one that gives it water, with three more behind
 	};
-	constexpr Extent ofNodes { 0, 3, 6 }, ofCells { -1, 1, 7 };
+	constexpr Extent ofNodes { 0, 3, 2 }, ofCells { -1, 1, 7 };
 } // namespace
 
 Bands::Bands(std::shared_ptr<RankTalk> talk, std::function<std::string(const std::string&)> answer)
