@@ -21,7 +21,7 @@ struct Scene {
 	VelocityTransfer transfer = VelocityTransfer::flip;
 	bool             bodies = false, calendar = false, walls = false;
 	double           thawStrain  = 0.0; ///< above 0: soil that is compressible once it has thawed
-	double           segregation = 0.0; ///< potential [m^2/(s K)]
+	double           segregation = 0.0; ///< potential [m^2/(s K)]; infinite: computed, with a lens behind its fringe
 	int              columns     = 0;   ///< of points, along the slope; 0: all that have room
 	bool             implicit = false, cellWeight = false;
 };
@@ -102,7 +102,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	}
 	if (scene.segregation > 0.0) {
 		s.segregation.emplace();
-		s.segregation->potential = scene.segregation;
+		if (!std::isinf(scene.segregation)) s.segregation->potential = scene.segregation;
 	}
 	if (scene.bodies) {
 		s.bodies.emplace();
@@ -151,6 +151,7 @@ inline const Scene dry { "dry" }, dryApic { "dry, apic", false, false, false, fa
         iceRichWet { "all, thaw strain", true, true, true, true, VelocityTransfer::flip, false, true, false, 0.1 },
         iceRichOwn { "all, thaw strain without means of cells", true, true, true, false, VelocityTransfer::apic, false, false, false, 0.1 },
         heaving { "all, ice segregation", true, true, true, true, VelocityTransfer::flip, false, false, false, 0.0, 1e-9 },
+        heavingComputed { "all, computed ice segregation", true, true, true, true, VelocityTransfer::flip, false, false, false, 0.0, INFINITY },
         withBall { "all, a ball, a calendar that follows the motion", true, true, true, true, VelocityTransfer::flip, true, true };
 
 } // namespace talik

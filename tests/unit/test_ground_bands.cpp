@@ -88,7 +88,7 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 
 TEST(GroundBands, OnTwoRanksGiveTheBitsOfOneRank)
 {
-	for (const Scene& scene : { dryApic, wet, all, withWalls, withBall, iceRichWet, heaving })
+	for (const Scene& scene : { dryApic, wet, all, withWalls, withBall, iceRichWet, heaving, heavingComputed })
 		expectSameBits<2>(scene, 260, { 2 }, { 1 });
 	expectSameBits<3>(all, 130, { 2 }, { 1 });
 }
@@ -104,13 +104,13 @@ TEST(GroundBands, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
 
 TEST(GroundBands, InThePlaneOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withWalls, withBall, iceRich, iceRichWet, iceRichOwn, heaving })
+	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withWalls, withBall, iceRich, iceRichWet, iceRichOwn, heaving, heavingComputed })
 		expectSameBits<2>(scene, 260, { 2, 3, 4 }, { 1, 2 });
 }
 
 TEST(GroundBands, InSpaceOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene : { dry, frozen, all, withWalls, withBall, iceRichWet, heaving })
+	for (const Scene& scene : { dry, frozen, all, withWalls, withBall, iceRichWet, heaving, heavingComputed })
 		expectSameBits<3>(scene, 130, { 2, 3, 4 }, { 1, 2 });
 }
 
