@@ -119,6 +119,7 @@ TEST(IceSegregation, IntakeOfAFringeMeetsItsClosedFormOnCoarseAndFineCells)
 		for (const auto& [k, impedance, load, gradient] : { std::array<double, 4> { 1e-9, 6.0, 50e3, 20.0 },
 		                                                    { 1e-9, 6.0, 200e3, 20.0 },
 		                                                    { 1e-8, 6.0, 50e3, 20.0 },
+		                                                    { 1e-9, 9.0, 50e3, 20.0 },
 		                                                    { 1e-10, 6.0, 50e3, 20.0 },
 		                                                    { 1e-10, 9.0, 50e3, 20.0 },
 		                                                    { 1e-9, 6.0, 50e3, 5.0 },

@@ -276,10 +276,11 @@ void IceSegregation<D>::seeFrom(
 {
 	constexpr int farthestSurface = 2; // cells behind the first frozen one
 	const int     next = beside(grid, range, lens, axis, side), second = next < 0 ? -1 : beside(grid, range, next, axis, side);
-	const int     last     = next < 0 ? lens : second < 0 ? next : beside(grid, range, second, axis, side) < 0 ? second : -1;
-	const int     distance = (last - first) / (side * grid.cellStride(axis));
-	const Outside beyond   = last < 0 || distance > farthestSurface ? Outside { NAN, 0.0 } : outside(grid, last, axis, side);
-	const bool    known    = !std::isnan(beyond.depth);
+	const int     last      = second >= 0 ? second : next >= 0 ? next : lens;
+	const int     distance  = (last - first) / (side * grid.cellStride(axis));
+	const bool    atSurface = beside(grid, range, last, axis, side) < 0 && distance <= farthestSurface;
+	const Outside beyond    = atSurface ? outside(grid, last, axis, side) : Outside { NAN, 0.0 };
+	const bool    known     = !std::isnan(beyond.depth);
 	if (!known && second < 0) return;
 	front.gradient = known ? beyond.heat / cells_[last].conductivity
 	                       : (cells_[next].depth - cells_[second].depth) / (side * (cells_[second].middle[axis] - cells_[next].middle[axis]));

@@ -120,7 +120,8 @@ private:
 	Gift drawn(
 	        const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const;
 	/// What cells give to others arrives there.
-	void        handOver(const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy);
+	void handOver(const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy);
+
 	static bool frozen(const Cell& c) { return c.frozen; }
 	/// What freezes less than this below T_f is noise of the temperature [K].
 	static constexpr double barely = 1e-6;
