@@ -122,8 +122,8 @@ def samplesOf(grains, cohesion):
 	"""(samples without ice whose bonds keep a cohesion [Pa] when their ice has gone, that cohesion as measured [Pa], their friction angle [deg] in
 	simple shear without it)."""
 	packed = talik.rve.pack(talik.rve.prepare(ice=True, **asdict(grains)))
-	friction = talik.calibrate.thawedPeakFriction(packed, pressures=(8e3,))
-	strength, measured = talik.calibrate.thawedStrength(packed, cohesion)
+	friction = talik.studies.calibrate.thawedPeakFriction(packed, pressures=(8e3,))
+	strength, measured = talik.studies.calibrate.thawedStrength(packed, cohesion)
 	for sample in packed:
 		sample.thawedStrength = strength
 	return packed, measured, math.degrees(math.atan(friction))

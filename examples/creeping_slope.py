@@ -20,7 +20,8 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
-from talik import creep, output, plots
+from talik import output, plots
+from talik.studies import creep
 from talik.files import writableFolder
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])

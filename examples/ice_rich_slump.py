@@ -42,7 +42,7 @@ def layer(name, polygon, frozenPorosity, thawedPorosity, **ofGrains):
 	"""A soil as a laboratory tells it: porosity frozen and thawed, and the grains of its sample."""
 	sample = talik.rve.pack(talik.rve.prepare(grains=grains, **ofGrains))
 	sample.thawStrain = 0  # the thaw strain is that of the layer
-	law = RveSkeleton(samples=[sample], strainTolerance=5e-5, slipFriction=talik.calibrate.thawedFriction(sample))
+	law = RveSkeleton(samples=[sample], strainTolerance=5e-5, slipFriction=talik.studies.calibrate.thawedFriction(sample))
 	soil = GroundMaterial(name=name, solidConductivity=2.0, thawStrain=talik.layers.thawStrain(frozenPorosity, thawedPorosity))
 	return dict(polygon=polygon, porosity=frozenPorosity, temperature=frozen, material=soil, skeleton=law)
 

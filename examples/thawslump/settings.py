@@ -22,7 +22,7 @@ class Preset:
 	gridOffset: float = 0.0  # of the nodes against the slope, to the left [cells], 0 to below 1; the ground reaches as far as the grid
 	longestMotion: float = math.inf  # of the thaw [s]: a run whose ground never rests ends here
 	lawGridSpacing: float = None  # with the calibrated law alone, which is cheap enough for a finer grid [m]; None: gridSpacing
-	calibration: dict = field(default_factory=dict)  # arguments of talik.calibrate.calibrate, for MohrCoulombSkeleton
+	calibration: dict = field(default_factory=dict)  # arguments of talik.studies.calibrate.calibrate, for MohrCoulombSkeleton
 
 
 skeletons = ("samples", "MohrCoulomb")

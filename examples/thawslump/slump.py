@@ -13,7 +13,8 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import talik
-from talik import calibrate, checkpoint, output, rve, slope
+from talik import checkpoint, output, rve, slope
+from talik.studies import calibrate
 from talik.files import writableFolder
 from talik.progress import Progress
 from thawslump import page, shearband
@@ -70,7 +71,7 @@ class ThawSlump:
 	preset      a name in presets or a Preset
 	folder      for the results
 	frameDays   days of the thaw at which all fields are kept; default nine, four of them in the first tenth
-	skeleton    samples: one behind every point; MohrCoulomb: calibrated on the same sample by talik.calibrate"""
+	skeleton    samples: one behind every point; MohrCoulomb: calibrated on the same sample by talik.studies.calibrate"""
 
 	def __init__(self, case, preset="draft", folder="output", ground=None, thaw=True, frameDays=None, skeleton="samples"):
 		ground = ground or Ground()

@@ -10,7 +10,7 @@ from yade import wrapper
 
 ofYade = {"dict", "updateAttrs", "qtHide", "dispHierarchy", "newAssocState"}  # what every class of YADE has
 ofConsole = {"heldByWaitingGround", "renewWaitingGrounds", "usePortablePath"}  # what the console needs
-commands = {"accuracy", "files", "studies"}  # programs of the repository and their parts
+parts = {"files", "studies"}  # of other modules and programs
 
 sections = (
 	(
@@ -61,7 +61,7 @@ def default(cls, name):
 
 def modules():
 	"""{name: module} of the tools of talik."""
-	names = sorted(set(talik._submodules) - commands)
+	names = sorted({*talik._submodules} - parts | {f"studies.{name}" for name in talik.studies.tools})
 	return {name: importlib.import_module("talik." + name) for name in names}
 
 

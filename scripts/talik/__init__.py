@@ -12,7 +12,8 @@ if "yade.wrapper" not in _sys.modules:
 from contextlib import contextmanager as _contextmanager
 from time import sleep as _sleep
 
-from . import _talik, console as _console, copying as _copying, ranks
+from . import _talik, ranks
+from .guards import attributes as _attributes, calls as _calls, copying as _copying, inspector as _inspector, runs as _runs, scenefiles as _scenefiles
 
 day = 86400.0  # [s]: tables of boundaries are in seconds of calendar time, times=[0, 30 * talik.day]
 
@@ -25,8 +26,8 @@ def _publishClasses():
 	names = _talik.registerClasses()
 	for name in names:
 		constructor = getattr(wrapper, name)
-		_console.letCallsWait(constructor)
-		_console.nameAttributesInErrors(constructor)
+		_calls.letCallsWait(constructor)
+		_attributes.nameAttributesInErrors(constructor)
 		_copying.makeCopyable(constructor)
 		globals()[name] = constructor
 		setattr(builtins, name, constructor)
@@ -80,7 +81,7 @@ def _renewView():
 
 ranks.join()
 with _paused():
-	_console.teachInspector(_publishClasses())
+	_inspector.teachInspector(_publishClasses())
 	_renewDispatchers()
 	_renewView()
 
@@ -88,9 +89,9 @@ with _paused():
 def _watchRunsAndSteps():
 	from yade import O
 
-	_console.makeRunsInterruptible(type(O))
-	_console.makeStepsKnown(type(O))
-	_console.makeFilesSafe(type(O))
+	_runs.makeRunsInterruptible(type(O))
+	_runs.makeStepsKnown(type(O))
+	_scenefiles.makeFilesSafe(type(O))
 
 
 _watchRunsAndSteps()
@@ -105,7 +106,7 @@ def scratchScene():
 	"""
 	from yade import O
 
-	_console.awaitRest(O)
+	_runs.awaitRest(O)
 	former = _talik.exchangeScene(_talik.emptyScene())
 	try:
 		yield
@@ -114,19 +115,13 @@ def scratchScene():
 
 
 _submodules = (
-	"accuracy",
 	"batch",
 	"bodies",
-	"calibrate",
 	"checkpoint",
-	"cold",
-	"creep",
 	"ensemble",
 	"files",
 	"geometry",
-	"growth",
 	"layers",
-	"moments",
 	"movie",
 	"output",
 	"packing",
@@ -136,7 +131,6 @@ _submodules = (
 	"ranks",
 	"realisation",
 	"refinement",
-	"refrozen",
 	"resampling",
 	"running",
 	"rve",
@@ -145,8 +139,6 @@ _submodules = (
 	"solids",
 	"studies",
 	"tables",
-	"target",
-	"thawtests",
 	"thermal",
 	"weather",
 )

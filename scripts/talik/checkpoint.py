@@ -18,7 +18,8 @@ import os
 from yade import O, wrapper
 
 from talik import _talik, ranks
-from talik.console import awaitRest, checkedLabels
+from talik.guards.runs import awaitRest
+from talik.guards.scenefiles import checkedLabels
 
 
 def keep(file, every=600.0, onSignal=0):

@@ -16,7 +16,7 @@ import atexit
 from yade import O, wrapper
 
 from talik import _talik
-from talik.console import awaitEndOfStep, awaitRest
+from talik.guards.runs import awaitEndOfStep, awaitRest
 
 _shown = []  # views that are open, the innermost last
 _left = []  # the scene left last stays alive: a long step of it may still be ending in YADE's thread

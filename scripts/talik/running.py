@@ -17,7 +17,7 @@ from yade import O
 
 import talik
 from talik import _talik, ranks
-from talik.console import awaitEndOfStep
+from talik.guards.runs import awaitEndOfStep
 from talik.progress import Progress
 
 

@@ -29,7 +29,7 @@ from yade import O, wrapper
 
 import talik
 from talik import packing, ranks, realisation
-from talik.console import checkedLabels
+from talik.guards.scenefiles import checkedLabels
 from talik.files import heldAlone, sceneContent, writableFolder, writeWhole
 from talik.packing import Grains, PackingError
 

@@ -26,7 +26,7 @@ leastPorosity = 0.02  # that a thawed soil keeps: more strain has no room
 
 @dataclasses.dataclass(frozen=True)
 class _Fit:
-	"""Strain = constant + ofIndex * index + perDecade * log10(stress/1 kPa) [-], see talik.thawtests.Fitted; spread of held-out tests about it."""
+	"""Strain = constant + ofIndex * index + perDecade * log10(stress/1 kPa) [-], see talik.studies.thawtests.Fitted; spread of held-out tests about it."""
 
 	constant: float
 	ofIndex: float

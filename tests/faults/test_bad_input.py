@@ -317,7 +317,7 @@ wrong = {
 	"run until an instant in quotes": (lambda s: talik.runUntil("3"), "instant", "'3'"),
 	"run until no day": (lambda s: talik.runUntilDay(ground(), nan), "day", "nan"),
 	"check of what is no ground": (lambda s: talik.check(3), "talik.check", "3"),
-	"friction of no sample": (lambda s: talik.calibrate.thawedFriction([]), "samples", "empty"),
+	"friction of no sample": (lambda s: talik.studies.calibrate.thawedFriction([]), "samples", "empty"),
 	# geometry and files
 	"outline of two corners": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 1)], 0.1), "polygon", "2"),
 	"outline not a number": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 0), (nan, 1)], 0.1), "polygon", "not finite"),

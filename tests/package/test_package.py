@@ -64,12 +64,12 @@ def test_it_installs_works_in_the_stock_yade_and_leaves_nothing_behind(package, 
 		"mpm = MpmEngine(gridSpacing=0.25, lower=(0, 0), upper=(1, 1), gravity=(0, -9.81), skeleton=ElasticSkeleton())\n"
 		"talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 0.5))\n"
 		"O.engines = [mpm]\nO.run(10, True)\nprint('used', talik.__file__, mpm.pointCount)\n"
-		"try:\n\timport talik.accuracy\nexcept ImportError as sentence:\n\tprint(sentence)\n"
+		"try:\n\timport talik.studies.accuracy\nexcept ImportError as sentence:\n\tprint(sentence)\n"
 	)
 	path = str(scratchRoot / "usr/lib/python3/dist-packages")
 	said = run("yade", "-n", "-x", script, cwd=scratchRoot, env={**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"}, stdin=subprocess.DEVNULL)
 	assert f"used {path}/talik/__init__.py 32" in said
-	assert "talik.accuracy measures the examples of the repository: run scripts/accuracy in a clone of it" in said
+	assert "talik.studies.accuracy measures the examples of the repository: run scripts/accuracy in a clone of it" in said
 	assert {scratchRoot / "usr/share/doc/talik/examples" / name for name in ("thawslump/slump.py", "thawbowl/hillside.asc")} <= set(files)
 	dpkg(scratchRoot, "--remove", "talik")
 	print(f"{len(files)} files installed, {len(installedFiles(scratchRoot))} left after the removal")

@@ -8,7 +8,7 @@ package = Path(__file__).resolve().parents[2] / "scripts" / "talik"
 
 
 def nameOf(path):
-	"""talik/accuracy/neumann.py as talik.accuracy.neumann; a folder as its __init__.py."""
+	"""talik/studies/accuracy/neumann.py as talik.studies.accuracy.neumann; a folder as its __init__.py."""
 	parts = path.relative_to(package.parent).with_suffix("").parts
 	return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
@@ -27,8 +27,8 @@ def imported(path, names):
 				up = home.split(".")[: len(home.split(".")) - node.level + 1]
 				base = ".".join([*up, *([node.module] if node.module else [])])
 			found.update(f"{base}.{alias.name}" if f"{base}.{alias.name}" in names else base for alias in node.names)
-		elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "talik":
-			found.add(f"talik.{node.attr}")  # loaded when it is first used
+		elif isinstance(node, ast.Attribute):
+			found.add(ast.unparse(node))  # loaded when it is first used
 	return {name for name in found if name in names} - {module}
 
 
@@ -66,3 +66,13 @@ def test_modules_of_the_package_import_each_other_without_circles():
 	found = cycles(graph)
 	print(f"{len(graph)} modules, {sum(map(len, graph.values()))} imports among them, {len(found)} modules on circles")
 	assert not found, "\n".join(" -> ".join(way) for way in found)
+
+
+def test_tools_for_scenes_know_no_studies_and_guards_know_no_tools():
+	graph = graphOfPackage()
+	tools = [name for name in graph if not name.startswith(("talik.studies", "talik.guards"))]
+	upward = {(name, used) for name in tools for used in graph[name] if used.startswith("talik.studies")}
+	known = {"talik._talik", "talik.ranks", "talik.files"}
+	fromGuards = {(name, used) for name in graph if name.startswith("talik.guards") for used in graph[name] - known if not used.startswith("talik.guards")}
+	print(f"{len(tools)} tools import {len(upward)} studies; guards import {len(fromGuards)} tools beside {', '.join(sorted(known))}")
+	assert not upward | fromGuards, sorted(upward | fromGuards)

@@ -48,11 +48,11 @@ def calibrateCommand(tmp_path, monkeypatch, capsys):
 	"""scripts/calibrate with an option and arguments, on samples of its own: it prints and writes a table and draws a picture. Returns the lines of the table."""
 
 	def run(option, *arguments):
-		from talik import studies
+		from talik.studies import command
 
 		monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
 		monkeypatch.setattr(sys, "argv", ["calibrate", f"--{option}", *arguments, "--output", str(tmp_path)])
-		studies.main()
+		command.main()
 		said, written = capsys.readouterr().out, (tmp_path / f"{option}.md").read_text()
 		assert written.strip() in said
 		assert (tmp_path / f"{option}.png").stat().st_size > 10_000

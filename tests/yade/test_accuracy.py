@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 import talik
-from talik import accuracy, plots
-from talik.accuracy import biaxial, neumann, presets, problem, report, slump, study, terzaghi, wave
+from talik import plots
+from talik.studies import accuracy
+from talik.studies.accuracy import biaxial, neumann, presets, problem, report, slump, study, terzaghi, wave
 
 root = Path(__file__).resolve().parents[2]
 
@@ -180,7 +181,18 @@ def test_a_run_that_stands_for_the_truth_is_no_coarser_than_any_other():
 
 
 def test_tables_and_pictures_are_written_by_the_command(tmp_path):
-	command = ["yade", "-n", "-x", "-j1", str(root / "scripts/talik/accuracy/command.py"), "--quick", "--problem", "elastic wave", "--output", str(tmp_path)]
+	command = [
+		"yade",
+		"-n",
+		"-x",
+		"-j1",
+		str(root / "scripts/talik/studies/accuracy/command.py"),
+		"--quick",
+		"--problem",
+		"elastic wave",
+		"--output",
+		str(tmp_path),
+	]
 	done = subprocess.run(command, capture_output=True, text=True, timeout=120, stdin=subprocess.DEVNULL)
 	print(done.stdout[done.stdout.index("Two periods") :])
 	assert done.returncode == 0, done.stderr
@@ -208,7 +220,7 @@ def test_axes_of_the_curves_carry_their_units():
 def test_every_preset_of_every_example_is_a_row_of_the_table():
 	names = {file.stem for file in (root / "examples").glob("*.py")}
 	without = names - set(presets.rowOf) - set(presets.withoutKnob)
-	assert not without, f"say in talik/accuracy/presets.py which problem stands for {', '.join(sorted(without))}"
+	assert not without, f"say in talik/studies/accuracy/presets.py which problem stands for {', '.join(sorted(without))}"
 	rows = accuracy.presetRows()
 	for each in accuracy.problems:
 		own = [row for row in rows if row.problem == each.name]

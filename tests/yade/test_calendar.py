@@ -9,7 +9,7 @@ from yade import O, wrapper
 
 import talik
 from talik import checkpoint, output, plots, running
-from talik.console import awaitEndOfStep
+from talik.guards.runs import awaitEndOfStep
 from thawslump import commandline
 
 height = 1.0

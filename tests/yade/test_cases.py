@@ -14,7 +14,8 @@ from yade import Matrix3, O
 
 import talik
 import thawslump
-from talik import calibrate, output, plots, running, rve, studies
+from talik import output, plots, running, rve
+from talik.studies import calibrate, command
 from thaw_slump_base import case
 from thawslump import commandline, page, shearband
 
@@ -290,7 +291,7 @@ def test_friction_of_thawed_samples_is_that_of_samples_without_thaw_strain(sampl
 
 def test_the_command_gives_the_law_the_friction_of_its_sample_in_simple_shear_where_asked(sample, tmp_path, monkeypatch):
 	monkeypatch.setattr(sys, "argv", ["calibrate", "--grains", "100", "--friction", "simple-shear", "--output", str(tmp_path)])
-	studies.main()
+	command.main()
 	law = json.loads((tmp_path / "calibration.json").read_text())
 	sheared = calibrate.thawedFriction(sample)
 	print(f"sin phi of the law {math.sin(math.radians(law['frictionAngle'])):.4f}, of the same sample in simple shear {sheared:.4f}")

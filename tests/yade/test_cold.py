@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from yade import wrapper
 
-from talik import cold
+from talik.studies import cold
 
 
 def test_ice_saturations_are_those_of_the_closed_form_of_the_freezing_curve():

@@ -13,7 +13,7 @@ import matplotlib.image
 import pytest
 
 import talik
-from talik.accuracy import convergence, convergencecommand, convergencepage, study
+from talik.studies.accuracy import convergence, convergencecommand, convergencepage, study
 
 root = Path(__file__).resolve().parents[2]
 law = {"skeleton": "MohrCoulomb", "thawed cohesion": 2000.0, "grains": 60}

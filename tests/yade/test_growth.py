@@ -4,7 +4,7 @@
 
 from yade import wrapper
 
-from talik import growth
+from talik.studies import growth
 
 
 def test_compression_grows_tenfold_with_the_rate_and_tension_hardly_where_moments_do_not_break_bonds_slow(sampleCache, monkeypatch):

@@ -13,7 +13,8 @@ from yade import Matrix3, O, utils, wrapper
 
 import talik
 from frozen_pair import block, frozenPair
-from talik import creep, rve
+from talik import rve
+from talik.studies import creep
 from twins import withAGrainBeside
 
 radius, young, depth = 5e-3, 3.6e9, 0.1  # E_c at full ice saturation

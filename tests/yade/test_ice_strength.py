@@ -9,7 +9,8 @@ from fixtures import eightySpheres, rollingDiscs, rollingDiscsWithMoments, rolli
 from yade import Matrix3, O, utils, wrapper
 
 from frozen_pair import block, frozenPair
-from talik import calibrate, rve
+from talik import rve
+from talik.studies import calibrate
 from twins import withAGrainBeside
 
 

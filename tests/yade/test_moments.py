@@ -11,7 +11,8 @@ from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
 from stock_moments import openStock
-from talik import moments, packing, rve, studies
+from talik import packing, rve
+from talik.studies import command, moments
 
 friction, ratio, young, iceYoung, strength = 0.5, 0.8, 0.6e9, 3e9, 51e6
 gradient = {2: Matrix3(0.6, 1.0, 0, -0.5, -1.0, 0, 0, 0, 0), 3: Matrix3(0.5, 0.9, 0.3, -0.4, -0.8, 0.2, 0.1, 0.3, -0.4)}
@@ -329,5 +330,5 @@ def test_strength_of_frozen_samples_with_moments_stands_beside_that_without_in_a
 	assert peaks["neither"] != peaks["moments"], "moments change how bonds break"
 	monkeypatch.setattr(sys, "argv", ["calibrate", "--moments", "--grains", "30", "--realisations", "1", "--output", str(tmp_path)])
 	monkeypatch.setattr(moments, "compare", lambda grains, realisations, told: told(f"{grains} {realisations}") or found)
-	studies.main()
+	command.main()
 	assert (tmp_path / "moments.md").read_text() == "30 1\n" and (tmp_path / "moments.png").stat().st_size > 10000

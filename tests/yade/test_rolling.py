@@ -10,7 +10,8 @@ from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
 from stock_moments import openStock
-from talik import calibrate, packing, rve
+from talik import packing, rve
+from talik.studies import calibrate
 
 alphaKr, etaRoll, friction, ratio, young = 1.5, 0.2, 0.5, 0.8, 0.6e9
 gradient = {2: Matrix3(0.6, 1.0, 0, -0.5, -1.0, 0, 0, 0, 0), 3: Matrix3(0.5, 0.9, 0.3, -0.4, -0.8, 0.2, 0.1, 0.3, -0.4)}

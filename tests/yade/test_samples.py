@@ -11,7 +11,8 @@ from fixtures import sixty
 from yade import Matrix3, O, Vector3, utils, wrapper
 
 import talik
-from talik import calibrate, packing, rve
+from talik import packing, rve
+from talik.studies import calibrate
 
 forms = ("packed", "open")
 

@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from talik import calibrate, rve
+from talik import rve
+from talik.studies import calibrate
 
 
 @pytest.fixture(scope="module")

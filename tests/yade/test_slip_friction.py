@@ -9,7 +9,8 @@ from fixtures import sixty
 from yade import O, wrapper
 
 import talik
-from talik import calibrate, checkpoint, rve
+from talik import checkpoint, rve
+from talik.studies import calibrate
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +42,8 @@ def test_samples_without_a_stated_friction_get_that_of_their_steady_shear_with_i
 	measured, error = skeleton.measuredFriction, skeleton.measuredFrictionError
 	apart = abs(measured - flowing.steadyMean) / math.hypot(error, flowing.steadyError)
 	print(
-		f"measured {measured:.3f} +- {error:.3f}, by talik.calibrate {flowing.steadyMean:.3f} +- {flowing.steadyError:.3f}: {apart:.1f} errors apart, 4 allowed"
+		f"measured {measured:.3f} +- {error:.3f}, by talik.studies.calibrate {flowing.steadyMean:.3f} +- {flowing.steadyError:.3f}: "
+		f"{apart:.1f} errors apart, 4 allowed"
 	)
 	assert len(said) == 1 and f"{measured:.3f}"[:4] in said[0] and math.isnan(skeleton.slipFriction)
 	assert 0.15 < measured < 0.45 and 0 < error < 0.03 and apart < 4

@@ -13,7 +13,7 @@ import talik
 import thawslump
 from thaw_slump_base import case as heatedFromBelow
 from thaw_slump_surface import case
-from talik import accuracy
+from talik.studies import accuracy
 from thawslump import page, shearband
 
 atRest = 5e-3  # ground that has moved less has not yet moved [m]

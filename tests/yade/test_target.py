@@ -14,7 +14,8 @@ from fixtures import rollingDiscs, rollingDiscsWithMoments
 from yade import O, wrapper
 
 import talik
-from talik import calibrate, rve, studies, target
+from talik import rve
+from talik.studies import calibrate, command, target
 
 soils = Path(__file__).parents[2] / "examples" / "soils"
 head = "S_i [-],temperature [degC],rate [1/s],confinement [kPa],E [MPa],strength [MPa],tension [MPa],phi [deg]"
@@ -81,7 +82,7 @@ def test_the_command_refuses_a_wrong_target_in_one_sentence_without_a_fit(tmp_pa
 	soil = written(tmp_path, "1,-10,1e-4,0,1500,-10,2,")
 	monkeypatch.setattr(sys, "argv", ["calibrate", "--target", str(soil), "--output", str(tmp_path / "results")])
 	with pytest.raises(SystemExit, match="line 2, column strength: '-10' must be the largest axial less lateral stress") as refused:
-		studies.main()
+		command.main()
 	print(str(refused.value).replace(str(tmp_path), ""))
 	assert "\n" not in str(refused.value) and not list((tmp_path / "results").glob("*"))
 
@@ -169,7 +170,7 @@ def test_the_fit_finds_a_sample_again_whose_tests_are_its_target_slow(sampleCach
 def test_the_command_leaves_table_picture_and_a_sample_file_slow(tmp_path, monkeypatch, capsys, sampleCache):
 	monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
 	monkeypatch.setattr(sys, "argv", ["calibrate", "--target", str(soils / "frozen_sand.csv"), "--grains", "40", "--output", str(tmp_path / "results")])
-	studies.main()
+	command.main()
 	said, folder = capsys.readouterr().out, tmp_path / "results"
 	print(said)
 	assert re.search(r"\| best \|.*strength \d", said) and "best in tension" in (folder / "target.md").read_text()

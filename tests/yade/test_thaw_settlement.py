@@ -11,7 +11,8 @@ import pytest
 from yade import O
 
 import talik
-from talik import soils, thawtests
+from talik import soils
+from talik.studies import thawtests
 
 here = Path(__file__).parents[2]
 
@@ -83,7 +84,7 @@ def test_files_without_a_column_or_a_test_are_refused(tmp_path):
 
 def test_the_command_writes_table_and_picture(tmp_path):
 	files = ",".join(str(path) for path in dataset(tmp_path, scatter=0.02))
-	script = here / "scripts" / "talik" / "studies.py"
+	script = here / "scripts" / "talik" / "studies" / "command.py"
 	command = [os.environ.get("YADE", "yade"), "-n", "-x", str(script), "--output", str(tmp_path / "out"), "--settlement", files]
 	done = subprocess.run(command, capture_output=True, text=True, timeout=200)
 	assert done.returncode == 0, done.stdout + done.stderr

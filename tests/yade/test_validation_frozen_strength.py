@@ -5,7 +5,8 @@ import math
 
 import numpy as np
 
-from talik import calibrate, rve
+from talik import rve
+from talik.studies import calibrate
 
 
 def test_a_frozen_sample_grows_stronger_with_rate_and_with_cold_and_its_tension_not_with_rate_slow(sampleCache):

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from yade import O, wrapper
 
-from talik import calibrate, refrozen, rve
+from talik import rve
+from talik.studies import calibrate, refrozen
 
 
 @pytest.fixture(scope="module")

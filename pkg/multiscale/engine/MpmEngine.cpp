@@ -533,7 +533,7 @@ namespace {
 	{
 		const talik::PythonLock held;
 		try {
-			py::import("talik.console").attr("muteLog")();
+			py::import("talik.guards.runs").attr("muteLog")();
 		} catch (const py::error_already_set&) {
 			PyErr_Clear();
 		}

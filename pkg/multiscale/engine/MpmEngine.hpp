@@ -176,7 +176,7 @@ public:
 		((GroundVector,lower,NaN,,"Lower corner of the grid's box [m], two components, three in space; its sides are where boundaries act. NaN: around the points."))
 		((GroundVector,upper,NaN,,"Upper corner of the grid's box [m], a whole number of spacings away. NaN: around the points."))
 		((bool,motion,true,,"Effect: the ground moves. False: it is rigid, and only heat limits the time step."))
-		((GroundVector,gravity,0,,"Body force per mass [m/s^2]: (0,-9.81), in space (0,0,-9.81)."))
+		((GroundVector,gravity,0,,"Body force per mass [m/s^2]: (0,-9.81), in space (0,0,-9.81). May be changed while running."))
 		((Real,damping,0,,"Local non-viscous damping of the mixture force [-], 0 to below 1: 0.3 to 0.7 to reach equilibrium, 0 to 0.05 in failure. May be changed "
 				"while running."))
 		((string,transfer,"flip",,"How points get the velocity of the solid from the grid. flip: they keep their velocity and add the grid's acceleration; apic: "
@@ -214,15 +214,15 @@ public:
 		((vector<shared_ptr<GroundEffect>>,effects,,,"Further effects of moving ground, such as BulkViscosity."))
 		((Real,poreFill,NaN,,"Part of the pores that holds water or ice [-]; NaN: 1 with heat or water, 0 in a dry scene."))
 		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and divided into sub-steps where it exceeds the limit. Of several "
-				"grounds in O.engines the first sets it, to the smallest of their steps."))
+				"grounds in O.engines the first sets it, to the smallest of their steps. May be changed while running."))
 		((Real,courantNumber,0.4,,"Courant number: time step over h/(c+|v|) [-], in (0,1]; lowered to what is stable wherever the points lie: 0.408 with "
-				"quadraticBSpline, 0.327 with gimp, 0.25 with linear, for which none is quite safe."))
-		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]."))
-		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]."))
+				"quadraticBSpline, 0.327 with gimp, 0.25 with linear, for which none is quite safe. May be changed while running."))
+		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]. May be changed while running."))
+		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]. May be changed while running."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every "
 				"point follow the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see "
-				"estimatedError. 0: those attributes count. From 1e-4 to 0.5; may be changed while running, but not to or from 0. Needs packed samples."))
+				"estimatedError. 0: those attributes count. From 1e-4 to 0.5. May be changed while running, but not to or from 0. Needs packed samples."))
 		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops once, after the step in which the calendar reaches this day [d], as at O.stopAtTime. "
 				"May be changed while running."))
 		((string,distribute,"automatic",,"What the ranks of mpirun divide; results are identical to those of one rank. samples: each sample of RveSkeleton "
@@ -233,8 +233,8 @@ public:
 				"with a message. Without mpirun it affects only laws in Python."))
 		((bool,energyLedger,false,,"Compute the balance of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects in equilibrium are skipped until something changes: heat in ground of one temperature that no boundary or source changes, "
-				"seepage of water that nowhere moves through the skeleton. False: they are always computed; results are identical."))
-		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1."))
+				"seepage of water that nowhere moves through the skeleton. False: they are always computed; results are identical. May be changed while running."))
+		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1. May be changed while running."))
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
 		((talik::PointTable,points,,Attr::hidden,"Points as they were added."))
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))

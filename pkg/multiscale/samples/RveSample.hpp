@@ -123,7 +123,7 @@ public:
 				"refreezing. From 0 (default, bookkeeping: grains keep their radii) to the porosity of the sample (all of eq. 8); set it before the sample freezes. A "
 				"scene opened from it keeps the radii of that moment.")
 		.add_property("thawedStrength",&RveSample::thawedStrength,&RveSample::setThawedStrength,"Tensile and cohesive shear strength that bonds keep when their ice "
-				"has melted [Pa], >= 0, see IceBondMat.thawedStrength; 0 (default): they melt. talik.calibrate.thawedStrength finds the one that gives a cohesion.")
+				"has melted [Pa], >= 0, see IceBondMat.thawedStrength; 0 (default): they melt. talik.studies.calibrate.thawedStrength finds the one that gives a cohesion.")
 		.add_property("thickness",&RveSample::thickness,"Of discs: thickness of the slice of ground that carries their forces [m], by which stress is divided; "
 				"set in talik.rve.prepare, or by O.tags['thickness'] of the scene that is packed. ValueError for spheres.")
 		.add_property("stateBytes",&RveSample::stateBytes,"The whole state as bytes: samples with equal ones go on alike, bit for bit.")

@@ -121,7 +121,7 @@ public:
 		((Real,creepInterval,0,,"Calendar time after which a sample whose bonds creep is updated at the latest [s], >= 0; 0: in every step. In between its stress "
 				"does not relax."))
 		((Real,slipFriction,std::numeric_limits<double>::quiet_NaN(),,"Coulomb friction at the thaw front, shear over normal stress, eq. (20.2) [-], >= 0. "
-				"nan (default): it is measured when the first of them thaws there, see measuredFriction. talik.calibrate.thawedFriction measures it, too, over "
+				"nan (default): it is measured when the first of them thaws there, see measuredFriction. talik.studies.calibrate.thawedFriction measures it, too, over "
 				"pressures and realisations."))
 		((Real,slipCohesion,0,,"Cohesion at the thaw front, with slipFriction [Pa], >= 0. It stays where bonds of the samples break."))
 		((Real,measuredFriction,std::numeric_limits<double>::quiet_NaN(),Attr::readonly,"Where slipFriction is nan and samples have met a thaw front: shear over "
@@ -138,7 +138,7 @@ public:
 		((string,onBlowUp,"stop",,"When a sample blows up: stop (the step is completed, then an exception names the point) or isolate (the point keeps its last "
 				"stress from then on; see blownUp). May be changed while running."))
 		((string,blowUpFolder,"blown-up-samples",,"Folder into which the last good state of a sample that blew up is written as a YADE scene, point<id>.yade, for "
-				"O.load; empty: none is written. scene(id) gives it in any case."))
+				"O.load; empty: none is written. scene(id) gives it in any case. May be changed while running."))
 		,/*ctor*/ talik::SequenceConverter<Scene>::registerOnce(); ,
 		/*py*/
 		.def("deal",&RveSkeleton::deal,(::boost::python::arg("position"),::boost::python::arg("samples"),::boost::python::arg("seed")=1),"List: the number, 0 to "

@@ -85,7 +85,7 @@ public:
 	template <int D> Model<D> model() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice "
-			"saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: talik.calibrate measures them "
+			"saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: talik.studies.calibrate measures them "
 			"on a sample. Example: MohrCoulombSkeleton(cohesion=1e3,cohesionFrozen=300e3,frictionAngle=20).",
 		((Real,young,10e6,,"Thawed Young's modulus [Pa], > 0."))
 		((Real,youngFrozen,100e6,,"Young's modulus at full ice saturation [Pa], >= young."))

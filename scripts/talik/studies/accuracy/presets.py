@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import thawslump
-from talik.accuracy.examples import folder as examples
+from talik.studies.accuracy.examples import folder as examples
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import os
 import sys
 import traceback
 
-from talik.accuracy import convergence, convergencepage, report, study
+from talik.studies.accuracy import convergence, convergencepage, report, study
 from talik.files import writableFolder
 
 stopped = 130  # exit status of a command that Ctrl-C ended

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """MohrCoulombSkeleton calibrated on a sample: biaxial tests at several ice saturations and pressures.
 
-	result = talik.calibrate.calibrate(talik.rve.pack(talik.rve.prepare(grains=400)))
+	result = talik.studies.calibrate.calibrate(talik.rve.pack(talik.rve.prepare(grains=400)))
 	mpm.skeleton = MohrCoulombSkeleton(**result.parameters())
 	scripts/calibrate --grains 400            # the same as a command, see talik.studies
 
@@ -37,7 +37,7 @@ thawedStiffness, frozenStiffness = 3e7, 18e7  # [Pa], order of magnitude of a sa
 class BiaxialTest:
 	"""Result of one test; stresses in Pa, compression positive, strains [-], shortening positive.
 
-	>>> test = talik.calibrate.biaxialTest(packed, iceSaturation=1, pressure=100e3, strain=2e-4)
+	>>> test = talik.studies.calibrate.biaxialTest(packed, iceSaturation=1, pressure=100e3, strain=2e-4)
 	>>> bool(test.axial[-1] > 100e3)
 	True"""
 
@@ -92,7 +92,7 @@ def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5, late
 	"""Compression (strain > 0) or extension (strain < 0) of an ice-free RveSample, frozen at an isotropic `pressure` [Pa], under the constant
 	pressure `lateral` [Pa]; default that at which it froze.
 
-	>>> test = talik.calibrate.biaxialTest(packed, iceSaturation=0.5, pressure=100e3, strain=2e-4)"""
+	>>> test = talik.studies.calibrate.biaxialTest(packed, iceSaturation=0.5, pressure=100e3, strain=2e-4)"""
 	tested = _underPressure(sample, pressure)
 	tested.freeze(iceSaturation)
 	return drive(tested, iceSaturation, pressure if lateral is None else lateral, strain, perCall)
@@ -101,7 +101,7 @@ def biaxialTest(sample, iceSaturation, pressure, strain=0.02, perCall=2e-5, late
 def extensionTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5):
 	"""Extension of an ice-free RveSample, frozen at an isotropic `pressure` [Pa], with the lateral stress removed.
 
-	>>> test = talik.calibrate.extensionTest(packed, iceSaturation=1, strain=2e-4)
+	>>> test = talik.studies.calibrate.extensionTest(packed, iceSaturation=1, strain=2e-4)
 	>>> bool(test.tension > 0)
 	True"""
 	return biaxialTest(sample, iceSaturation, pressure, -strain, perCall, lateral=0.0)
@@ -110,7 +110,7 @@ def extensionTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-
 def tensileTest(sample, iceSaturation, pressure=10e3, strain=0.01, perCall=2e-5):
 	"""Largest axial tension [Pa] in extension with the lateral stress removed, of a sample frozen at `pressure` [Pa]; 0 without ice.
 
-	>>> tension = talik.calibrate.tensileTest(packed, iceSaturation=1, strain=2e-4)"""
+	>>> tension = talik.studies.calibrate.tensileTest(packed, iceSaturation=1, strain=2e-4)"""
 	return extensionTest(sample, iceSaturation, pressure, strain, perCall).tension
 
 
@@ -118,7 +118,7 @@ def thawedShearStrength(sample, pressure, strain=0.01, perCall=2e-5):
 	"""Largest shear stress [Pa] of an ice-free RveSample in simple shear at a constant normal stress `pressure` [Pa], when it was frozen at that
 	pressure and has thawed there: bonds that outlast their ice (RveSample.thawedStrength) are all that is left of them. Mean of both directions.
 
-	>>> strength = talik.calibrate.thawedShearStrength(packed, pressure=10e3, strain=2e-3)"""
+	>>> strength = talik.studies.calibrate.thawedShearStrength(packed, pressure=10e3, strain=2e-3)"""
 	thawed = _thawedUnder(sample, pressure)
 	return float(np.mean([_largestShearStress(thawed.copy(), pressure, strain, direction * perCall) for direction in (1, -1)]))
 
@@ -129,7 +129,7 @@ def thawedTension(samples, strength, pressures=(2e3, 5e3), strain=0.004, perCall
 
 	A cohesion without it holds next to nothing close to a surface, where normal stress is small.
 
-	>>> tension = talik.calibrate.thawedTension(packed, strength=0.3e6, pressures=(5e3,), strain=4e-4)"""
+	>>> tension = talik.studies.calibrate.thawedTension(packed, strength=0.3e6, pressures=(5e3,), strain=4e-4)"""
 	bonded = [_withThawedStrength(sample, strength) for sample in rve.listOf(samples)]
 	return float(np.mean([_largestTension(_thawedUnder(sample, pressure), 0.0, strain, perCall) for sample in bonded for pressure in pressures]))
 
@@ -179,7 +179,7 @@ def thawedCohesion(sample, strength, pressures=(2e3, 4e3, 8e3, 16e3)):
 	By how much its largest shear stress in simple shear exceeds that of the same sample without bonds, mean over `pressures` [Pa]: a slope fails in
 	simple shear, and there the cohesion is the same at every pressure (within 5 % from 2 to 16 kPa, 100 grains, mean of eight realisations).
 
-	>>> cohesion = talik.calibrate.thawedCohesion(packed, strength=0.3e6, pressures=(8e3,))"""
+	>>> cohesion = talik.studies.calibrate.thawedCohesion(packed, strength=0.3e6, pressures=(8e3,))"""
 	return float(np.mean(_thawedShearStrengths(sample, strength, pressures) - _thawedShearStrengths(sample, 0.0, pressures)))
 
 
@@ -191,7 +191,7 @@ class ShearFriction:
 	Where ground begins to fail the peak counts, in a slide of metres the steady value, which samples of any packing have in the end. It is what
 	RveSkeleton.slipFriction and the friction of a law (`friction` of calibrate) take.
 
-	>>> print(talik.calibrate.shearFriction(packed, pressures=(8e3,), shear=0.3).grains)
+	>>> print(talik.studies.calibrate.shearFriction(packed, pressures=(8e3,), shear=0.3).grains)
 	30"""
 
 	grains: int  # of a sample
@@ -239,7 +239,7 @@ def shearFriction(samples, pressures=(2e3, 4e3, 8e3, 16e3), shear=None):
 	shear      of each run in steady flow [-], above 0.15, from which on its mean is taken; default 0.3 to 1, the more the fewer grains are sheared in
 			   all: a single run of 100 grains up to a shear of 1 has a scatter of 0.02
 
-	>>> friction = talik.calibrate.shearFriction(packed, pressures=(8e3,), shear=0.3)"""
+	>>> friction = talik.studies.calibrate.shearFriction(packed, pressures=(8e3,), shear=0.3)"""
 	several = rve.listOf(samples)
 	grains = len(several[0].arrays()["radius"])
 	if shear is None:
@@ -270,7 +270,7 @@ def thawedFriction(samples, pressures=(2e3, 4e3, 8e3, 16e3)):
 	"""Shear over normal stress [-] with which ice-free RveSamples flow on in simple shear without bonds, mean over realisations and `pressures` [Pa]:
 	RveSkeleton.slipFriction, and sin(phi) of a law whose ground slides by metres. It is the steady value of shearFriction, which also has its scatter.
 
-	>>> friction = talik.calibrate.thawedFriction(packed, pressures=(8e3,))"""
+	>>> friction = talik.studies.calibrate.thawedFriction(packed, pressures=(8e3,))"""
 	return shearFriction(samples, pressures).steadyMean
 
 
@@ -278,7 +278,7 @@ def thawedPeakFriction(samples, pressures=(2e3, 4e3, 8e3, 16e3)):
 	"""Largest shear over normal stress [-] of ice-free RveSamples within 1 % of simple shear, mean over realisations and `pressures` [Pa]: with which
 	they begin to fail.
 
-	>>> friction = talik.calibrate.thawedPeakFriction(packed, pressures=(8e3,))"""
+	>>> friction = talik.studies.calibrate.thawedPeakFriction(packed, pressures=(8e3,))"""
 	return float(np.mean([_thawedShearStrengths(sample, 0.0, pressures) / pressures for sample in rve.listOf(samples)]))
 
 
@@ -295,7 +295,7 @@ def thawedStrength(samples, cohesion, pressures=(2e3, 4e3, 8e3, 16e3)):
 	samples   ice-free RveSample, or a list of realisations, over which the mean is taken
 	cohesion  of thawed ground, 0 or more
 
-	>>> strength, measured = talik.calibrate.thawedStrength(packed, cohesion=2e3, pressures=(10e3,))"""
+	>>> strength, measured = talik.studies.calibrate.thawedStrength(packed, cohesion=2e3, pressures=(10e3,))"""
 	if not 0 <= cohesion < math.inf:
 		raise ValueError(f"thawed cohesion is {cohesion!r}; give a cohesion in Pa, 0 or more")
 	if cohesion == 0:
@@ -325,7 +325,7 @@ class NormalStressControl:
 	perCall    strain of a call across; the control gives three times as much at most
 	stiffness  order of magnitude of that of the sample [Pa]
 
-	>>> control = talik.calibrate.NormalStressControl(pressure=10e3, perCall=2e-5, stiffness=3e7)
+	>>> control = talik.studies.calibrate.NormalStressControl(pressure=10e3, perCall=2e-5, stiffness=3e7)
 	>>> control.strain(-9e3) < 0
 	True"""
 
@@ -346,7 +346,7 @@ class NormalStressControl:
 class Scatter:
 	"""What realisations of one size measure, each an array over them.
 
-	>>> scatter = talik.calibrate.scatterOf([packed, packed], strain=5e-4)
+	>>> scatter = talik.studies.calibrate.scatterOf([packed, packed], strain=5e-4)
 	>>> bool(scatter.frictionAngle.std() == 0)
 	True"""
 
@@ -377,7 +377,7 @@ def scatterOf(samples, pressures=(30e3, 100e3), strain=0.02):
 
 	The friction angle is that of a line through the origin, sin(phi) = t/s' at the peak, mean over `pressures` [Pa].
 
-	>>> print(talik.calibrate.scatterOf([packed], strain=5e-4).grains)
+	>>> print(talik.studies.calibrate.scatterOf([packed], strain=5e-4).grains)
 	30"""
 	rows = []
 	for sample in samples:
@@ -393,7 +393,7 @@ def scatter(grains=(60, 100, 200, 400), realisations=8, seed=1, strain=0.02, tol
 	"""Table of scatterOf over the number of grains, a list of Scatter; `told` is given each line as soon as it is known.
 
 	>>> lines = []
-	>>> table = talik.calibrate.scatter(grains=(30,), realisations=1, strain=5e-4, told=lines.append, porosity=0.19)"""
+	>>> table = talik.studies.calibrate.scatter(grains=(30,), realisations=1, strain=5e-4, told=lines.append, porosity=0.19)"""
 	told(scatterHead)
 	table = []
 	for number in grains:
@@ -411,7 +411,7 @@ denseSand = (33.0, 40.0)  # [deg] friction angles of dense sand that samples are
 class RollingFriction:
 	"""Friction angles of samples without ice, arrays (porosity, etaRoll): mean and standard deviation over realisations; NaN: no sample.
 
-	>>> result = talik.calibrate.rollingFriction(grains=30, porosities=(0.19,), coefficients=(0, 0.1), realisations=1, strain=5e-4, told=lambda line: None)
+	>>> result = talik.studies.calibrate.rollingFriction(grains=30, porosities=(0.19,), coefficients=(0, 0.1), realisations=1, strain=5e-4, told=lambda line: None)
 	>>> result.frictionAngle.shape
 	(1, 2)"""
 
@@ -441,7 +441,7 @@ def rollingFriction(
 	prepared with its own coefficient. `told` is given each line of the table as soon as it is known.
 
 	>>> lines = []
-	>>> table = talik.calibrate.rollingFriction(30, (0.19,), (0.1,), 1, strain=5e-4, told=lines.append)"""
+	>>> table = talik.studies.calibrate.rollingFriction(30, (0.19,), (0.1,), 1, strain=5e-4, told=lines.append)"""
 	told("| porosity | etaRoll | φ [°] | E [MPa] |\n|---|---|---|---|")
 	cells = np.full((3, len(porosities), len(coefficients)), np.nan)
 	for row, porosity in enumerate(porosities):
@@ -470,7 +470,7 @@ def frozenStrength(sample, law, temperature, rate, pressure=100e3, strain=0.03):
 	"""(largest deviator in compression at a lateral pressure, largest tension) [Pa] of an ice-free RveSample that is frozen to full ice saturation, its
 	bonds as strong as an IceStrength says at a temperature [degC] and a strain rate [1/s in physical time].
 
-	>>> compression, tension = talik.calibrate.frozenStrength(packed, IceStrength(), temperature=-5, rate=1e-3, strain=2e-4)"""
+	>>> compression, tension = talik.studies.calibrate.frozenStrength(packed, IceStrength(), temperature=-5, rate=1e-3, strain=2e-4)"""
 	tested = sample.copy()
 	tested.tensileStrengthFactor, tested.shearStrengthFactor = law.factors(temperature, rate)
 	return biaxialTest(tested, 1.0, pressure, strain).deviator.max(), tensileTest(tested, 1.0)
@@ -481,7 +481,7 @@ def strengthTable(sample, law=None, told=print, strain=0.03):
 	each line of the table as soon as it is known.
 
 	>>> lines = []
-	>>> overRate, overTemperature = talik.calibrate.strengthTable(packed, told=lines.append, strain=2e-4)"""
+	>>> overRate, overTemperature = talik.studies.calibrate.strengthTable(packed, told=lines.append, strain=2e-4)"""
 	law = law or wrapper.IceStrength()
 	told("| temperature [°C] | rate [1/s] | compression [MPa] | tension [MPa] |\n|---|---|---|---|")
 	tables = []
@@ -496,7 +496,7 @@ def strengthTable(sample, law=None, told=print, strain=0.03):
 def drawStrength(overRate, overTemperature):
 	"""Figure of strengthTable.
 
-	>>> figure = talik.calibrate.drawStrength(np.ones((8, 2)), np.ones((8, 2)))"""
+	>>> figure = talik.studies.calibrate.drawStrength(np.ones((8, 2)), np.ones((8, 2)))"""
 	fig = plots.figure(9, 4)
 	ofRate, ofTemperature = fig.subplots(1, 2, sharey=True)
 	for axes, across, table in ((ofRate, rates, overRate), (ofTemperature, temperatures, overTemperature)):
@@ -515,7 +515,7 @@ def drive(tested, iceSaturation, pressure, strain, perCall=2e-5):
 
 	>>> frozen.copy().iceSaturation
 	1.0
-	>>> test = talik.calibrate.drive(frozen.copy(), iceSaturation=1, pressure=10e3, strain=2e-4)"""
+	>>> test = talik.studies.calibrate.drive(frozen.copy(), iceSaturation=1, pressure=10e3, strain=2e-4)"""
 	control = NormalStressControl(pressure, perCall, frozenStiffness if iceSaturation > 0 else thawedStiffness)
 	across, rows = 0.0, []
 	stress, bonds = tested.stress, tested.statistics()["bondsIntact"]
@@ -535,7 +535,7 @@ def drive(tested, iceSaturation, pressure, strain, perCall=2e-5):
 class Calibration:
 	"""Tests and what was fitted to them. Arrays go with iceSaturation; residuals are relative, (fit - measured)/measured of t at the peak.
 
-	>>> result = talik.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)
+	>>> result = talik.studies.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)
 	>>> law = MohrCoulombSkeleton(**result.parameters())"""
 
 	tests: list
@@ -613,7 +613,7 @@ def calibrate(sample, iceSaturations=iceSaturations, pressures=pressures, strain
 					fitted to the peaks with it. Default: fitted to the peaks, too. A slide of metres has the friction of a sample that
 					has been sheared, not that of its peak: 0.30 and 0.44 for the sample of the slumps
 
-	>>> result = talik.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)"""
+	>>> result = talik.studies.calibrate.calibrate(packed, iceSaturations=(0.0, 1.0), pressures=(50e3, 100e3), strain=5e-4)"""
 	if len(pressures) < 2:
 		raise ValueError(f"pressures is {pressures!r}; cohesion and friction are told apart by two or more")
 	samples = rve.listOf(sample)

@@ -11,7 +11,7 @@ import numpy as np
 from yade import Matrix3
 
 from talik import rve
-from talik.accuracy.problem import Problem, Run, Stopwatch, relativeRootMeanSquare
+from talik.studies.accuracy.problem import Problem, Run, Stopwatch, relativeRootMeanSquare
 
 pressure, strain = 50e3, 0.1  # [Pa], [-]
 parts = (0, 0.003, 0.01, 0.02, 0.05, 0.1)  # of the path, limits in axial strain [-]

@@ -11,11 +11,11 @@
 
 A new problem is one file and its entry in `problems`."""
 
-from talik.accuracy import examples  # first: those below import scenes from its folder
-from talik.accuracy import biaxial, collapse, neumann, slump, terzaghi, wave
-from talik.accuracy.neumann import neumannFront
-from talik.accuracy.presets import presetRows, presetsOf
-from talik.accuracy.report import column, drawStudy, printTable, saveTable
-from talik.accuracy.study import Results, runStudy, table
+from talik.studies.accuracy import examples  # first: those below import scenes from its folder
+from talik.studies.accuracy import biaxial, collapse, neumann, slump, terzaghi, wave
+from talik.studies.accuracy.neumann import neumannFront
+from talik.studies.accuracy.presets import presetRows, presetsOf
+from talik.studies.accuracy.report import column, drawStudy, printTable, saveTable
+from talik.studies.accuracy.study import Results, runStudy, table
 
 problems = tuple(module.problem for module in (neumann, terzaghi, biaxial, wave, collapse, slump))

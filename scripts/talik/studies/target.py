@@ -2,8 +2,8 @@
 """A sample calibrated to tests of a soil: a target in a CSV file, bond strength, stiffness, friction, rolling friction and thickness by SciPy;
 where bonds carry moments their radius and share in the strength, too.
 
-	rows = talik.target.read("soil.csv")
-	found = talik.target.fit(rows, grains=100)
+	rows = talik.studies.target.read("soil.csv")
+	found = talik.studies.target.fit(rows, grains=100)
 	sample = found.sample()
 	several = talik.rve.prepare(**found.parameters(), realisations=8)
 	scripts/calibrate --target soil.csv       # the same as a command: table, picture, sample file
@@ -20,7 +20,8 @@ import re
 
 import numpy as np
 import talik
-from talik import calibrate, packing, plots, rve, tables
+from talik import packing, plots, rve, tables
+from talik.studies import calibrate
 from yade import O, wrapper
 
 units = {
@@ -42,7 +43,7 @@ stresses = ("Pa", "kPa", "MPa", "GPa")
 class Column:
 	"""What a column of a target may hold, in SI units.
 
-	>>> talik.target.columns["S_i"].largest
+	>>> talik.studies.target.columns["S_i"].largest
 	1.0"""
 
 	units: tuple
@@ -68,7 +69,7 @@ conditions, quantities = tuple(columns)[:4], tuple(columns)[4:]
 class Row:
 	"""One test of a soil, in SI units; NaN: not measured.
 
-	>>> talik.target.Row(line=2, iceSaturation=1, temperature=-10, rate=1e-4, confinement=0, wanted={"tension": 2e6}).wanted["tension"]
+	>>> talik.studies.target.Row(line=2, iceSaturation=1, temperature=-10, rate=1e-4, confinement=0, wanted={"tension": 2e6}).wanted["tension"]
 	2000000.0"""
 
 	line: int  # of the file
@@ -96,7 +97,7 @@ def read(path):
 	>>> with open(folder + "/soil.csv", "w") as file:
 	...     head = "S_i [-],temperature [degC],rate [1/s],confinement [kPa],E [MPa],strength [MPa],tension [MPa],phi [deg]"
 	...     written = file.write(head + "\\n1,-10,1e-4,0,1500,10,2,\\n0,,,100,50,,,36\\n")
-	>>> [row.wanted for row in talik.target.read(folder + "/soil.csv")]
+	>>> [row.wanted for row in talik.studies.target.read(folder + "/soil.csv")]
 	[{'E': 1500000000.0, 'strength': 10000000.0, 'tension': 2000000.0}, {'E': 50000000.0, 'phi': 36.0}]"""
 	lines = [(line, cells) for line, cells in tables.lines(path) if any(cell.strip() for cell in cells)]
 	if not lines:
@@ -181,7 +182,7 @@ leastPressure = 1e3  # at which a sample that is not confined freezes [Pa]
 class Range:
 	"""Of a parameter that is fitted.
 
-	>>> talik.target.ranges["friction"].at(0.0)
+	>>> talik.studies.target.ranges["friction"].at(0.0)
 	0.2"""
 
 	least: float
@@ -220,7 +221,7 @@ unbentMoments = dict(bondRadiusFactor=1.8, momentContribution=0.01)  # bonds tha
 def fitted(rows, moments=False):
 	"""Names of the parameters that the rows decide; moments: bonds carry moments.
 
-	>>> talik.target.fitted([talik.target.Row(2, 0.0, 0, 0, 100e3, {"phi": 36.0})])
+	>>> talik.studies.target.fitted([talik.studies.target.Row(2, 0.0, 0, 0, 100e3, {"phi": 36.0})])
 	['friction', 'etaRoll']"""
 	frozen = {name for row in rows if row.iceSaturation > 0 for name in row.wanted}
 	thawed = {name for row in rows if row.iceSaturation == 0 for name in row.wanted}
@@ -244,7 +245,7 @@ def altered(sample, friction, etaRoll, **bonds):
 		   momentContribution [-]
 
 	>>> rolling = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19, ice=True, etaRoll=0.1))
-	>>> other = talik.target.altered(rolling, friction=0.6, etaRoll=0.2, iceYoung=5e9)"""
+	>>> other = talik.studies.target.altered(rolling, friction=0.6, etaRoll=0.2, iceYoung=5e9)"""
 	with talik.inspect(sample.open()) as scene:
 		packing.setFriction(friction)
 		for material in O.materials:
@@ -260,7 +261,7 @@ def altered(sample, friction, etaRoll, **bonds):
 class Measured:
 	"""What a sample gives for a row: {quantity: value} and the curves of its tests, each strain [-] and axial less lateral stress [Pa].
 
-	>>> measured = talik.target.Measured({"E": 1e9}, {})"""
+	>>> measured = talik.studies.target.Measured({"E": 1e9}, {})"""
 
 	values: dict
 	curves: dict
@@ -272,8 +273,8 @@ def test(sample, row, thickness=None, law=None, strain=0.04):
 	law     IceStrength of the bonds over temperature and rate; default its defaults
 	strain  axial, of each test [-], 1e-3 or more
 
-	>>> row = talik.target.Row(2, 1.0, -10.0, 1e-4, 100e3, {"strength": 1e6})
-	>>> measured = talik.target.test(packed, row, strain=1e-3)"""
+	>>> row = talik.studies.target.Row(2, 1.0, -10.0, 1e-4, 100e3, {"strength": 1e6})
+	>>> measured = talik.studies.target.test(packed, row, strain=1e-3)"""
 	if not strain >= 1e-3:
 		raise ValueError(f"strain is {strain!r}; a test needs 1e-3 or more to have a stiffness and a peak")
 	scale = 1.0 if thickness is None else sample.thickness / thickness
@@ -303,7 +304,7 @@ def test(sample, row, thickness=None, law=None, strain=0.04):
 class Candidate:
 	"""A sample that was tested: its parameters and, for each row, what it gives.
 
-	>>> candidate = talik.target.Candidate(dict(thickness=0.03), [dict(E=2e9)])"""
+	>>> candidate = talik.studies.target.Candidate(dict(thickness=0.03), [dict(E=2e9)])"""
 
 	parameters: dict
 	values: list  # of {quantity: value}
@@ -330,8 +331,8 @@ def _logRatio(name, found, wanted):
 class Fit:
 	"""The best candidate, all that were tested, and those of them of which none is better in everything.
 
-	>>> best = talik.target.Candidate(dict(talik.target.standard), [dict(E=2e9)])
-	>>> found = talik.target.Fit([talik.target.Row(2, 1.0, -10.0, 1e-4, 0.0, {"E": 1e9})], best, [best], grains=100, porosity=0.18)
+	>>> best = talik.studies.target.Candidate(dict(talik.studies.target.standard), [dict(E=2e9)])
+	>>> found = talik.studies.target.Fit([talik.studies.target.Row(2, 1.0, -10.0, 1e-4, 0.0, {"E": 1e9})], best, [best], grains=100, porosity=0.18)
 	>>> found.best.misfits(found.rows)["E"]
 	2.0"""
 
@@ -394,8 +395,8 @@ def fit(rows, grains=100, porosity=0.18, steps=6, strain=0.04, cache=True, law=N
 	moments           bonds carry moments (MomentIceBondMat): their radius and their share in the strength are fitted, too, from two starts, with bonds
 					  that moments break and with bonds that they do not break
 
-	>>> rows = [talik.target.Row(2, 0.0, 0, 0, 100e3, {"phi": 25.0})]
-	>>> found = talik.target.fit(rows, grains=30, steps=1, strain=1e-3)"""
+	>>> rows = [talik.studies.target.Row(2, 0.0, 0, 0, 100e3, {"phi": 25.0})]
+	>>> found = talik.studies.target.fit(rows, grains=30, steps=1, strain=1e-3)"""
 	from tqdm import tqdm
 
 	names = fitted(rows, moments)
@@ -450,9 +451,9 @@ def _descend(residuals, start, steps):
 def draw(found, sample, law=None, strain=0.04):
 	"""Figure: curves of a packed sample beside the target of each row, and the front.
 
-	>>> row = talik.target.Row(2, 1.0, -10.0, 1e-4, 100e3, {"strength": 1e6, "E": 1e8})
-	>>> best = talik.target.Candidate(dict(talik.target.standard), [dict(strength=2e6, E=1e8)])
-	>>> figure = talik.target.draw(talik.target.Fit([row], best, [best], 30, 0.19), packed, strain=1e-3)"""
+	>>> row = talik.studies.target.Row(2, 1.0, -10.0, 1e-4, 100e3, {"strength": 1e6, "E": 1e8})
+	>>> best = talik.studies.target.Candidate(dict(talik.studies.target.standard), [dict(strength=2e6, E=1e8)])
+	>>> figure = talik.studies.target.draw(talik.studies.target.Fit([row], best, [best], 30, 0.19), packed, strain=1e-3)"""
 	panels = len(found.rows) + 1
 	across = min(3, panels)
 	fig = plots.figure(4.2 * across, 3.6 * math.ceil(panels / across))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Thaw settlement tests in CSV files: a prediction fitted to them, and how far it is off on tests that it was not fitted to.
 
-	tests = talik.thawtests.read("tests.csv", "steps.csv")
-	fitted = talik.thawtests.fit([test for test in tests if test.group == "fine"])
+	tests = talik.studies.thawtests.read("tests.csv", "steps.csv")
+	fitted = talik.studies.thawtests.fit([test for test in tests if test.group == "fine"])
 	scripts/calibrate --settlement tests.csv,steps.csv        # the same as a command, with cross validation: table, picture
 
 The files have the form of the Permafrost Thaw Settlement Dataset (Mohammadi & Hayley, Zenodo 14538524; Earth Syst. Sci. Data 17, 3921, 2025):
@@ -41,7 +41,7 @@ lightest = 1150.0  # frozen density from which on the method of Nixon & Ladanyi 
 class ThawTest:
 	"""One test of frozen soil, in SI units; strains positive in shortening.
 
-	>>> test = talik.thawtests.ThawTest("A", "hole", "fine", 2.0, 1500.0, 0.6, 2700.0, np.array([1e4, 1e5]), np.array([0.2, 0.3]))
+	>>> test = talik.studies.thawtests.ThawTest("A", "hole", "fine", 2.0, 1500.0, 0.6, 2700.0, np.array([1e4, 1e5]), np.array([0.2, 0.3]))
 	>>> round(test.at(1e6), 3)
 	0.4"""
 
@@ -76,10 +76,10 @@ def read(tests, steps):
 	load steps. ValueError names file, line and fault.
 
 	>>> with open(folder + "/tests.csv", "w") as file:
-	...     written = file.write(",".join(talik.thawtests.ofTests) + "\\nA,hole,1,3,Fine-grained,60,2.7,1500,2\\n")
+	...     written = file.write(",".join(talik.studies.thawtests.ofTests) + "\\nA,hole,1,3,Fine-grained,60,2.7,1500,2\\n")
 	>>> with open(folder + "/steps.csv", "w") as file:
 	...     written = file.write("test_id,sigma_v,strain\\nA,10,20\\nA,50,27\\nA,100,30\\n")
-	>>> talik.thawtests.read(folder + "/tests.csv", folder + "/steps.csv")[0].overburden
+	>>> talik.studies.thawtests.read(folder + "/tests.csv", folder + "/steps.csv")[0].overburden
 	29430.0"""
 	loads = {}
 	for line, row in _rows(steps, (("test_id", "unique_id"), "sigma_v", "strain")):
@@ -139,7 +139,7 @@ class Fitted:
 	"""Strain of a soil group by its index, the frozen bulk density over 1000 kg/m^3 or, for peat, the natural logarithm of the water content:
 	constant + ofIndex * index + perDecade * log10(stress/1 kPa), all [-].
 
-	>>> fitted = talik.thawtests.Fitted("fine", 1.0, -0.5, 0.1)
+	>>> fitted = talik.studies.thawtests.Fitted("fine", 1.0, -0.5, 0.1)
 	>>> round(fitted.strain(1.6, 10e3), 3)
 	0.3"""
 
@@ -156,7 +156,7 @@ class Fitted:
 def indexOf(group, density, waterContent):
 	"""By which the strain of a soil group is predicted: frozen bulk density [Mg/m^3], of peat the logarithm of its water content.
 
-	>>> talik.thawtests.indexOf("fine", 1500.0, 0.6)
+	>>> talik.studies.thawtests.indexOf("fine", 1500.0, 0.6)
 	1.5"""
 	return math.log(waterContent) if group == "peat" else 1e-3 * density
 
@@ -166,8 +166,8 @@ def fit(tests):
 
 	>>> def test(density):
 	...     strain = 1.0 - 0.4e-3 * density + 0.1 * np.array([0, 1, 2])
-	...     return talik.thawtests.ThawTest("A", "hole", "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
-	>>> fitted = talik.thawtests.fit([test(1400.0), test(1700.0)])
+	...     return talik.studies.thawtests.ThawTest("A", "hole", "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
+	>>> fitted = talik.studies.thawtests.fit([test(1400.0), test(1700.0)])
 	>>> round(fitted.ofIndex, 6), round(fitted.perDecade, 6)
 	(-0.4, 0.1)"""
 	rows, wanted = [], []
@@ -183,7 +183,7 @@ def nixonLadanyi(density):
 	"""Thaw strain [-] by the frozen bulk density [kg/m^3] alone, 0.9 - 0.868 sqrt(density/1000 - 1.15): Nixon & Ladanyi 1978, the best of six
 	empirical methods in the paper of the dataset; nan below 1150 kg/m^3.
 
-	>>> round(talik.thawtests.nixonLadanyi(1500.0), 3)
+	>>> round(talik.studies.thawtests.nixonLadanyi(1500.0), 3)
 	0.386"""
 	return 0.9 - 0.868 * math.sqrt(1e-3 * density - 1.15) if density >= lightest else math.nan
 
@@ -192,8 +192,8 @@ def nixonLadanyi(density):
 class HeldOut:
 	"""A test and what was predicted for it by tests of other boreholes; strains [-].
 
-	>>> test = talik.thawtests.ThawTest("A", "hole", "fine", 2.0, 1500.0, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), np.array([0.2, 0.3, 0.4]))
-	>>> round(talik.thawtests.HeldOut(test, talik.thawtests.Fitted("fine", 0.2, 0, 0.1)).ofSteps, 9)
+	>>> test = talik.studies.thawtests.ThawTest("A", "hole", "fine", 2.0, 1500.0, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), np.array([0.2, 0.3, 0.4]))
+	>>> round(talik.studies.thawtests.HeldOut(test, talik.studies.thawtests.Fitted("fine", 0.2, 0, 0.1)).ofSteps, 9)
 	0.0"""
 
 	test: ThawTest
@@ -227,9 +227,9 @@ def crossValidate(tests):
 
 	>>> def test(hole, density):
 	...     strain = 1.0 - 0.4e-3 * density + 0.1 * np.array([0, 1, 2])
-	...     return talik.thawtests.ThawTest("A", hole, "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
+	...     return talik.studies.thawtests.ThawTest("A", hole, "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
 	>>> tests = [test(hole, 1300.0 + 50 * k) for k, hole in enumerate("abcabc")]
-	>>> abs(round(talik.thawtests.crossValidate(tests)[0].underOverburden, 9))
+	>>> abs(round(talik.studies.thawtests.crossValidate(tests)[0].underOverburden, 9))
 	0.0"""
 	held = []
 	for test in tests:
@@ -243,7 +243,7 @@ def crossValidate(tests):
 def rootMeanSquare(values):
 	"""Of an array.
 
-	>>> talik.thawtests.rootMeanSquare([3.0, 4.0, 5.0, 0.0, 0.0, 0.0])
+	>>> talik.studies.thawtests.rootMeanSquare([3.0, 4.0, 5.0, 0.0, 0.0, 0.0])
 	2.886751345948129"""
 	return math.sqrt(float(np.mean(np.square(values))))
 
@@ -253,9 +253,9 @@ def report(tests, told=print):
 
 	>>> def test(hole, density):
 	...     strain = 1.0 - 0.4e-3 * density + 0.1 * np.array([0, 1, 2])
-	...     return talik.thawtests.ThawTest("A", hole, "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
+	...     return talik.studies.thawtests.ThawTest("A", hole, "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
 	>>> tests = [test(hole, 1300.0 + 50 * k) for k, hole in enumerate("abcabc")]
-	>>> len(talik.thawtests.report(tests, told=lambda line: None)["fine"])
+	>>> len(talik.studies.thawtests.report(tests, told=lambda line: None)["fine"])
 	6"""
 	found = {}
 	told(
@@ -294,9 +294,9 @@ def draw(found):
 
 	>>> def test(hole, density):
 	...     strain = 1.0 - 0.4e-3 * density + 0.1 * np.array([0, 1, 2])
-	...     return talik.thawtests.ThawTest("A", hole, "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
+	...     return talik.studies.thawtests.ThawTest("A", hole, "fine", 2.0, density, 0.6, 2700.0, np.array([1e3, 1e4, 1e5]), strain)
 	>>> tests = [test(hole, 1300.0 + 50 * k) for k, hole in enumerate("abcabc")]
-	>>> figure = talik.thawtests.draw(talik.thawtests.report(tests, told=lambda line: None))"""
+	>>> figure = talik.studies.thawtests.draw(talik.studies.thawtests.report(tests, told=lambda line: None))"""
 	figure = plots.figure(3.4 * len(found), 3.6)
 	panels = np.atleast_1d(figure.subplots(1, len(found)))
 	for axes, (group, held) in zip(panels, found.items()):

@@ -7,7 +7,7 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
-from talik.accuracy.problem import Problem, Stopwatch, groundRun, rootMeanSquare
+from talik.studies.accuracy.problem import Problem, Stopwatch, groundRun, rootMeanSquare
 
 day = 86400.0
 porosity = 0.4

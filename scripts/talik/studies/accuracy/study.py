@@ -12,8 +12,8 @@ import numpy as np
 from tqdm import tqdm
 
 import talik
-from talik.accuracy.presets import presetRows
-from talik.accuracy.problem import key, varied
+from talik.studies.accuracy.presets import presetRows
+from talik.studies.accuracy.problem import key, varied
 from talik.files import writeWhole
 
 repeats = 5  # of a run, as long as they take less than this altogether:

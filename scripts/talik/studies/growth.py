@@ -13,7 +13,8 @@ import dataclasses
 import numpy as np
 from yade import wrapper
 
-from talik import calibrate, plots, rve
+from talik import plots, rve
+from talik.studies import calibrate
 
 slow, fast, temperature = 1.2e-4, 2.9, -10.0  # [1/s], [1/s], [degC]: tests of Haynes, Karalius & Kalafut 1975
 freezingPressure = 10e3  # [Pa]
@@ -23,7 +24,7 @@ freezingPressure = 10e3  # [Pa]
 class Kind:
 	"""A sample and its bonds.
 
-	>>> talik.growth.kinds["IceStrength's defaults"].shearOverTensile
+	>>> talik.studies.growth.kinds["IceStrength's defaults"].shearOverTensile
 	1.0"""
 
 	prepared: dict  # what its contacts carry: keyword arguments of talik.rve.prepare
@@ -46,7 +47,7 @@ kinds = {
 class Growth:
 	"""Strengths [Pa] of the realisations of a kind at the slow and the fast rate, arrays (rate, realisation).
 
-	>>> growth = talik.growth.Growth(np.array([[1e6], [8e6]]), np.array([[4e5], [5e5]]))
+	>>> growth = talik.studies.growth.Growth(np.array([[1e6], [8e6]]), np.array([[4e5], [5e5]]))
 	>>> float(growth.ofCompression)
 	8.0"""
 
@@ -72,7 +73,7 @@ class Growth:
 def strengths(sample, kind, rate, strain=0.08):
 	"""(compression, tension) [Pa] of an ice-free RveSample frozen to full ice saturation, without confinement.
 
-	>>> compression, tension = talik.growth.strengths(packed, talik.growth.kinds["shear 0.4 of tensile"], rate=1e-4, strain=4e-4)"""
+	>>> compression, tension = talik.studies.growth.strengths(packed, talik.studies.growth.kinds["shear 0.4 of tensile"], rate=1e-4, strain=4e-4)"""
 	law, tested = wrapper.IceStrength(shearRateExponent=kind.exponent, referenceRate=slow), sample.copy()
 	tensile, shear = law.factors(temperature, rate)
 	tested.tensileStrengthFactor, tested.shearStrengthFactor = tensile, shear * kind.shearOverTensile
@@ -84,7 +85,7 @@ def table(grains=100, realisations=3, strain=0.08, which=tuple(kinds), told=prin
 	"""{kind: Growth} for every one of `which` of the `kinds`. `told` is given each line of the table as soon as it is known.
 
 	>>> lines = []
-	>>> found = talik.growth.table(30, 1, strain=4e-3, which=("IceStrength's defaults",), told=lines.append, porosity=0.19)
+	>>> found = talik.studies.growth.table(30, 1, strain=4e-3, which=("IceStrength's defaults",), told=lines.append, porosity=0.19)
 	>>> len(lines)
 	2"""
 	told(
@@ -105,7 +106,7 @@ def table(grains=100, realisations=3, strain=0.08, which=tuple(kinds), told=prin
 def draw(found):
 	"""Figure of a table: strengths at both rates, and tenfold growth.
 
-	>>> figure = talik.growth.draw({"one": talik.growth.Growth(np.array([[1e6], [8e6]]), np.array([[4e5], [5e5]]))})"""
+	>>> figure = talik.studies.growth.draw({"one": talik.studies.growth.Growth(np.array([[1e6], [8e6]]), np.array([[4e5], [5e5]]))})"""
 	fig = plots.figure(8, 4.6)
 	axes = fig.subplots()
 	for place, growth in enumerate(found.values()):

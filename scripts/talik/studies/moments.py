@@ -8,7 +8,8 @@ import dataclasses
 
 import numpy as np
 
-from talik import calibrate, plots, rve
+from talik import plots, rve
+from talik.studies import calibrate
 
 kinds = {
 	"neither": {},
@@ -24,7 +25,7 @@ kinds = {
 class MomentTests:
 	"""Biaxial tests of frozen samples by what their contacts carry, a list of realisations for each kind.
 
-	>>> talik.moments.MomentTests(100e3, {}).pressure
+	>>> talik.studies.moments.MomentTests(100e3, {}).pressure
 	100000.0"""
 
 	pressure: float  # [Pa]
@@ -60,7 +61,7 @@ def compare(grains=100, realisations=3, pressure=100e3, strain=0.05, porosity=0.
 	contacts carry, those without rolling alike. `told` is given each line of the table as soon as it is known.
 
 	>>> lines = []
-	>>> found = talik.moments.compare(30, 1, strain=5e-4, which=("moments",), told=lines.append)
+	>>> found = talik.studies.moments.compare(30, 1, strain=5e-4, which=("moments",), told=lines.append)
 	>>> len(lines)
 	2"""
 	told("| contacts carry | E [GPa] | peak [MPa] | at strain [%] | second half of the test [MPa] |\n|---|---|---|---|---|")

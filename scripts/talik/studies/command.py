@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Studies of samples as commands, each with a table, a picture and files in a folder.
 
-	scripts/calibrate --grains 400            # MohrCoulombSkeleton from biaxial tests, see talik.calibrate: table, picture, JSON
+	scripts/calibrate --grains 400            # MohrCoulombSkeleton from biaxial tests, see talik.studies.calibrate: table, picture, JSON
 	scripts/calibrate --scatter               # friction angle, stiffness and frozen strength over realisations, table
 	scripts/calibrate --rolling               # friction angle over porosity and rolling friction, table and picture
 	scripts/calibrate --strength              # frozen strength over strain rate and temperature, table and picture
-	scripts/calibrate --temperature           # frozen strength and stiffness along a freezing curve, see talik.cold
-	scripts/calibrate --growth                # what lets frozen strength grow with the rate, see talik.growth
-	scripts/calibrate --creep                 # rate of creep over stress, table and picture: see talik.creep
-	scripts/calibrate --moments               # frozen samples whose bonds carry moments beside others, see talik.moments
-	scripts/calibrate --refrozen              # frozen strength after thaw and refreezing, see talik.refrozen
-	scripts/calibrate --target soil.csv       # a sample that gives what tests of a soil gave, see talik.target
-	scripts/calibrate --settlement tests.csv,steps.csv  # thaw settlement predicted for tests left out of the fit, see talik.thawtests
+	scripts/calibrate --temperature           # frozen strength and stiffness along a freezing curve, see talik.studies.cold
+	scripts/calibrate --growth                # what lets frozen strength grow with the rate, see talik.studies.growth
+	scripts/calibrate --creep                 # rate of creep over stress, table and picture: see talik.studies.creep
+	scripts/calibrate --moments               # frozen samples whose bonds carry moments beside others, see talik.studies.moments
+	scripts/calibrate --refrozen              # frozen strength after thaw and refreezing, see talik.studies.refrozen
+	scripts/calibrate --target soil.csv       # a sample that gives what tests of a soil gave, see talik.studies.target
+	scripts/calibrate --settlement tests.csv,steps.csv  # thaw settlement predicted for tests left out of the fit, see talik.studies.thawtests
 """
 
 import argparse
@@ -20,7 +20,8 @@ import json
 import talik
 from yade import O
 
-from talik import calibrate, cold, creep, growth, moments, plots, refrozen, rve, target, thawtests
+from talik import plots, rve
+from talik.studies import calibrate, cold, creep, growth, moments, refrozen, target, thawtests
 from talik.files import writableFolder, writeWhole
 
 

@@ -12,7 +12,8 @@ import dataclasses
 import numpy as np
 from yade import wrapper
 
-from talik import calibrate, plots, rve
+from talik import plots, rve
+from talik.studies import calibrate
 
 temperatures = (0.0, -0.25, -0.5, -1.0, -2.0, -5.0, -10.0, -20.0, -40.0, -56.7)  # [degC]
 rate = 1e-4  # [1/s in physical time]
@@ -26,7 +27,7 @@ measuredStiffening, stiffenedBelow = (1e2, 1e3), -2.0
 def iceSaturations(temperatures, curve=None):
 	"""Ice saturation [-] at temperatures [degC] along a FreezingCurve; default its defaults.
 
-	>>> saturations = talik.cold.iceSaturations([0, -10])
+	>>> saturations = talik.studies.cold.iceSaturations([0, -10])
 	>>> [round(float(s), 2) for s in saturations]
 	[0.0, 0.95]"""
 	number = len(temperatures)
@@ -48,7 +49,7 @@ def iceSaturations(temperatures, curve=None):
 class Cold:
 	"""What samples give over temperature: arrays, the last three (temperature, realisation) [Pa].
 
-	>>> cold = talik.cold.table(temperatures=(0, -10), grains=30, realisations=1, strain=5e-4, told=lambda line: None)
+	>>> cold = talik.studies.cold.table(temperatures=(0, -10), grains=30, realisations=1, strain=5e-4, told=lambda line: None)
 	>>> cold.young.shape
 	(2, 1)"""
 
@@ -101,7 +102,7 @@ def table(temperatures=temperatures, grains=100, realisations=3, curve=None, law
 	law    IceStrength; default its defaults, with the stiffness of ice over temperature
 
 	>>> lines = []
-	>>> cold = talik.cold.table((0, -10), grains=30, realisations=1, strain=5e-4, told=lines.append)
+	>>> cold = talik.studies.cold.table((0, -10), grains=30, realisations=1, strain=5e-4, told=lines.append)
 	>>> len(lines)
 	3"""
 	law = law or wrapper.IceStrength(stiffnessCold=stiffnessOfIce)

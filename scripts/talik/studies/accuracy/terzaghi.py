@@ -7,8 +7,8 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
-from talik.accuracy import ground
-from talik.accuracy.problem import Problem, Stopwatch, groundRun, rootMeanSquare
+from talik.studies.accuracy import ground
+from talik.studies.accuracy.problem import Problem, Stopwatch, groundRun, rootMeanSquare
 
 height, modulus, load, conductivity = 1.0, 10e6, 10e3, 1e-3  # [m], [Pa], [Pa], [m/s]
 gravity, waterDensity, porosity = 9.81, 1000.0, 0.4

@@ -7,8 +7,8 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
-from talik.accuracy import ground
-from talik.accuracy.problem import Problem, Stopwatch, groundRun, rootMeanSquare
+from talik.studies.accuracy import ground
+from talik.studies.accuracy.problem import Problem, Stopwatch, groundRun, rootMeanSquare
 
 length, modulus, speed, porosity = 10.0, 50e6, 0.1, 0.4  # [m], [Pa], largest initial velocity [m/s]
 celerity = math.sqrt(modulus / (2650.0 * (1 - porosity)))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Creep tests on frozen samples under constant stress: rate over strain, rate factor and exponent of the secondary creep.
 
-	test = talik.creep.creepTest(frozen, IceCreep(), "shear", stress=100e3)
+	test = talik.studies.creep.creepTest(frozen, IceCreep(), "shear", stress=100e3)
 	test.secondaryRate()
 	scripts/calibrate --creep                 # rate over stress and over strain: table and picture
 
@@ -29,7 +29,7 @@ bondModulus = 3.6e9  # of a bond at full ice saturation, to order of magnitude [
 class CreepTest:
 	"""Creep under one stress, arrays over the calls: time [s of physical time], strain [-] along the load (tensor component, positive).
 
-	>>> test = talik.creep.creepTest(frozen, IceCreep(), "tension", stress=100e3, strain=2e-3)
+	>>> test = talik.studies.creep.creepTest(frozen, IceCreep(), "tension", stress=100e3, strain=2e-3)
 	>>> bool(np.all(np.diff(test.time) > 0))
 	True"""
 
@@ -62,7 +62,7 @@ def creepTest(frozen, law, load, stress, temperature=-10.0, strain=0.045, relaxe
 	relaxed      part by which the stress of a bond falls in a call, to order of magnitude [-]; the rate comes out too small by a few times that
 	calls        after which it ends in any case
 
-	>>> test = talik.creep.creepTest(frozen, IceCreep(), "shear", stress=50e3, strain=1e-3)"""
+	>>> test = talik.studies.creep.creepTest(frozen, IceCreep(), "shear", stress=50e3, strain=1e-3)"""
 	sample, direction = frozen.copy(), _direction(load, frozen.dimension)
 	held = np.array([part is None for part in direction])
 	direction = np.array([part or 0.0 for part in direction])
@@ -131,7 +131,7 @@ def _concentration(sample):
 class CreepTable:
 	"""Creep tests of several realisations: tests[load][k] is a list over the realisations under stresses[k], of compression under one stress.
 
-	>>> table = talik.creep.creepTable([frozen], stresses=(50e3, 100e3), relaxed=0.1, told=lambda line: None)
+	>>> table = talik.studies.creep.creepTable([frozen], stresses=(50e3, 100e3), relaxed=0.1, told=lambda line: None)
 	>>> exponent = table.exponent("tension")"""
 
 	law: object
@@ -189,7 +189,7 @@ def creepTable(frozen, law=None, temperature=-10.0, stresses=stresses, relaxed=0
 	"""Creep tests on realisations of a frozen sample; `told` is given each line of the table as soon as it is known.
 
 	>>> lines = []
-	>>> table = talik.creep.creepTable([frozen], stresses=(100e3,), relaxed=0.1, told=lines.append)"""
+	>>> table = talik.studies.creep.creepTable([frozen], stresses=(100e3,), relaxed=0.1, told=lines.append)"""
 	law, tests = law or wrapper.IceCreep(), {}
 	told("| load | stress [kPa] | rate, 2 to 4 % of strain [1/s] | over A σⁿ of a bond |\n|---|---|---|---|")
 	for load in steady:
@@ -208,7 +208,7 @@ def creepTable(frozen, law=None, temperature=-10.0, stresses=stresses, relaxed=0
 def frozenSamples(grains=100, realisations=3, pressure=10e3, **prepared):
 	"""Realisations of a packed sample, of discs unless dimension=3 is given, that was frozen to full ice saturation at a pressure [Pa].
 
-	>>> samples = talik.creep.frozenSamples(grains=30, realisations=1, porosity=0.19)"""
+	>>> samples = talik.studies.creep.frozenSamples(grains=30, realisations=1, porosity=0.19)"""
 	samples = rve.listOf(rve.pack(rve.prepare(grains=grains, realisations=realisations, ice=True, **prepared)))
 	for sample in samples:
 		if not sample.servo(*[-pressure] * sample.dimension):

@@ -12,7 +12,7 @@ import thaw_slump_surface
 import thawslump
 from yade import O
 
-from talik.accuracy.problem import Problem, Stopwatch, groundRun, largestRelative
+from talik.studies.accuracy.problem import Problem, Stopwatch, groundRun, largestRelative
 
 
 standard = {

@@ -6,8 +6,9 @@ import os
 import sys
 import traceback
 
-from talik import accuracy, plots
-from talik.accuracy import report
+from talik import plots
+from talik.studies import accuracy
+from talik.studies.accuracy import report
 from talik.files import writableFolder
 
 

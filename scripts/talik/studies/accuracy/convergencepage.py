@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from talik import plots
-from talik.accuracy import convergence
-from talik.accuracy.convergence import cases, knobs, measures
+from talik.studies.accuracy import convergence
+from talik.studies.accuracy.convergence import cases, knobs, measures
 from talik.files import writeWhole
 
 begin, end = "<!-- convergence of the slumps: written by scripts/accuracy slump --write -->", "<!-- end of the convergence of the slumps -->"

@@ -11,7 +11,8 @@ import dataclasses
 
 import numpy as np
 
-from talik import calibrate, plots, rve
+from talik import plots, rve
+from talik.studies import calibrate
 
 steps = 10  # in which ice melts, the stress is restored after each
 
@@ -20,7 +21,7 @@ steps = 10  # in which ice melts, the stress is restored after each
 class Past:
 	"""What a frozen sample went through before it was tested.
 
-	>>> talik.refrozen.pasts["never thawed"].cycles
+	>>> talik.studies.refrozen.pasts["never thawed"].cycles
 	0"""
 
 	cycles: int = 0  # of thaw and refreezing
@@ -45,11 +46,11 @@ pasts = {
 class Outcome:
 	"""Of one sample: its compression, and the axial and areal strain [-] that the cycles left, shortening positive.
 
-	>>> outcome = talik.refrozen.test(packed, talik.refrozen.Past(1), strain=5e-4)
+	>>> outcome = talik.studies.refrozen.test(packed, talik.studies.refrozen.Past(1), strain=5e-4)
 	>>> bool(outcome.compression.bonds > 0)
 	True"""
 
-	compression: object  # talik.calibrate.BiaxialTest
+	compression: object  # talik.studies.calibrate.BiaxialTest
 	settled: float
 	contracted: float
 
@@ -57,7 +58,7 @@ class Outcome:
 def test(sample, past, pressure=100e3, strain=0.03, perCall=2e-5):
 	"""Compression of an ice-free RveSample of discs, frozen at a pressure [Pa], after a Past: Outcome.
 
-	>>> strength = talik.refrozen.test(packed, talik.refrozen.Past(), strain=5e-4).compression.deviator.max()"""
+	>>> strength = talik.studies.refrozen.test(packed, talik.studies.refrozen.Past(), strain=5e-4).compression.deviator.max()"""
 	tested = sample.copy()
 	tested.thawStrain = past.thawStrain
 	_hold(tested, pressure)
@@ -93,7 +94,7 @@ def _sides(sample):
 class Comparison:
 	"""Outcomes by the past, a list of realisations for each.
 
-	>>> talik.refrozen.Comparison(100e3, {}).pressure
+	>>> talik.studies.refrozen.Comparison(100e3, {}).pressure
 	100000.0"""
 
 	pressure: float  # [Pa]
@@ -102,7 +103,7 @@ class Comparison:
 	def strengths(self, past):
 		"""Largest deviators [Pa], an array over the realisations.
 
-		>>> found = talik.refrozen.compare(30, 1, strain=5e-4, which=("never thawed",), told=lambda line: None, porosity=0.19)
+		>>> found = talik.studies.refrozen.compare(30, 1, strain=5e-4, which=("never thawed",), told=lambda line: None, porosity=0.19)
 		>>> len(found.strengths("never thawed"))
 		1"""
 		return np.array([outcome.compression.deviator.max() for outcome in self.outcomes[past]])
@@ -110,7 +111,7 @@ class Comparison:
 	def ratios(self, past):
 		"""Strength over that of the same samples when they were never thawed [-].
 
-		>>> found = talik.refrozen.compare(30, 1, strain=5e-4, which=("never thawed",), told=lambda line: None, porosity=0.19)
+		>>> found = talik.studies.refrozen.compare(30, 1, strain=5e-4, which=("never thawed",), told=lambda line: None, porosity=0.19)
 		>>> float(found.ratios("never thawed")[0])
 		1.0"""
 		return self.strengths(past) / self.strengths("never thawed")
@@ -147,7 +148,7 @@ def compare(grains=100, realisations=8, pressure=100e3, strain=0.03, which=tuple
 	known.
 
 	>>> lines = []
-	>>> found = talik.refrozen.compare(30, 1, strain=5e-4, which=("never thawed",), told=lines.append, porosity=0.19)
+	>>> found = talik.studies.refrozen.compare(30, 1, strain=5e-4, which=("never thawed",), told=lines.append, porosity=0.19)
 	>>> len(lines)
 	2"""
 	told("| past | strength [MPa] | over never thawed | E [MPa] | settled [%] | contracted [%] |\n|---|---|---|---|---|---|")

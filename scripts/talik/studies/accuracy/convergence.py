@@ -22,8 +22,8 @@ import talik
 import thaw_slump_base
 import thaw_slump_surface
 import thawslump
-from talik.accuracy import slump
-from talik.accuracy.problem import Stopwatch, key
+from talik.studies.accuracy import slump
+from talik.studies.accuracy.problem import Stopwatch, key
 
 moved = 0.1  # displacement of ground that counts as moved [m]
 historyLength = 30  # states of a run that are kept for the picture, beside those of the table
@@ -74,7 +74,7 @@ def followed(preset):
 @dataclass(frozen=True)
 class Knob:
 	label: str  # with its unit
-	settings: object  # function of a value -> settings of talik.accuracy.slump
+	settings: object  # function of a value -> settings of talik.studies.accuracy.slump
 	text: object = "{:g}".format  # of a value
 	phrase: str = "{}"  # of a value that a sweep of another knob keeps
 
@@ -107,7 +107,7 @@ class Sweep:
 	quick: int = 0  # how many of the values a quick study has
 
 	def settings(self, value):
-		"""Settings of talik.accuracy.slump that differ from its standard."""
+		"""Settings of talik.studies.accuracy.slump that differ from its standard."""
 		chosen = {**self.fixed, self.knob: value}
 		return dict(self.ground, **{name: given for knob, one in chosen.items() for name, given in knobs[knob].settings(one).items()})
 

@@ -9,8 +9,8 @@ import numpy as np
 from yade import O, wrapper
 
 import talik
-from talik.accuracy import ground
-from talik.accuracy.problem import Problem, Stopwatch, groundRun, largestRelative
+from talik.studies.accuracy import ground
+from talik.studies.accuracy.problem import Problem, Stopwatch, groundRun, largestRelative
 
 height, width, end = 1.0, 1.0, 1.2  # [m], [m], [s]
 
