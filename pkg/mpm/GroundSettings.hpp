@@ -8,6 +8,7 @@
 #include <pkg/thm/Enthalpy.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
+#include <pkg/thm/ParameterList.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 #include <pkg/thm/SegregationPotential.hpp>
 
@@ -65,20 +66,34 @@ template <int D> struct MotionSettings : MotionOfAnyDimension {
 	}
 };
 
+/// Parameters of HeatTransfer, for the settings of the ground and for the class that a script sees.
+// clang-format off
+#define TALIK_HEAT_TRANSFER \
+	((Real, thermalTimeScale, 1,,"f_T [-], > 0: calendar time that passes in each second of motion. Conduction, surface coefficients, heat fluxes and " \
+		"sources are multiplied by it, and seepage and rain unless PoreWater.hydraulicTimeScale says otherwise; " \
+		"tables of boundaries are read at calendar time. With " \
+		"followsMotion its largest value, at rest. May be changed while running.")) \
+	((bool, followsMotion, false,,"The scale of the calendar follows the motion: thermalTimeScale f_T while the ground rests, movingTimeScale f_m while it " \
+		"moves, in between f_m + (f_T - f_m)/(1 + (v/motionTolerance)^2). v is the speed of the fastest ground, the largest mean velocity of the points of a cell. " \
+		"Where heat needs shorter steps the scale is lowered, not the time step. See MpmEngine.calendar and MpmEngine.events. False: thermalTimeScale always. " \
+		"Needs motion.")) \
+	((Real, movingTimeScale, 1,,"f_m [-], > 0, at most thermalTimeScale: scale of the calendar while the ground moves, with followsMotion. 1: real time. May be " \
+		"changed while running.")) \
+	((Real, motionTolerance, 0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest ground at which the scale of the calendar lies half way between its two values. " \
+		"While ground with the acceleration a gains this speed, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running.")) \
+	((Real, eventSpeed, 1e-5,,"Speed in calendar time above which motion is an event [m/s], >= 0: the speed of the fastest ground divided by the scale of the " \
+		"calendar. It must also exceed motionTolerance. Ground that only settles or creeps as it thaws is slower, whatever the scale. " \
+		"1e-5 m/s is a metre a day, a moderate landslide (Cruden and Varnes 1996).")) \
+	((Real, eventDisplacement, 0.02,,"Displacement from which on a point counts as moved in an event [m], > 0. Events in which no point moves that far are " \
+		"left out.")) \
+	((Real, source, 0,,"Heat produced per volume [W/m^3].")) \
+	((Real, smoothingTime, NaN,,"Time constant of the damping of temperature differences that vanish at the nodes (null space of the grid); energy is conserved " \
+		"[s of calendar time]. NaN: chosen from the grid, infinite: no damping."))
+// clang-format on
+
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
 struct HeatSettings {
-	/// f_T, calendar time that passes per time of motion [-], > 0: multiplies conduction, Robin coefficients, heat fluxes and sources,
-	/// and what seeps unless water has a scale of its own. Boundary tables are read at calendar time.
-	double thermalTimeScale  = 1.0;
-	bool   followsMotion     = false; ///< f_T holds while the ground rests; the faster it moves the nearer to movingTimeScale. Needs motion
-	double movingTimeScale   = 1.0;   ///< f_m, scale while the ground moves [-], > 0, at most f_T
-	double eventSpeed        = 1e-5;  ///< of the fastest ground, per calendar time, from which on motion is an event [m/s], >= 0
-	double motionTolerance   = 0.01;  ///< v_0, speed of the fastest ground at which the scale lies half way [m/s], 1e-6 to 1
-	double eventDisplacement = 0.02;  ///< what a point must be displaced by to count as moved in an event [m], > 0
-	/// tau_T, in which differences between neighbouring points that the grid cannot see die out [s of calendar time]; what the grid
-	/// resolves is touched in fourth order of h only. NaN (default): one diffusion time of a cell, h^2 C/kappa; infinity: none.
-	double        smoothingTime = std::numeric_limits<double>::quiet_NaN();
-	double        source        = 0.0; ///< Q, heat produced per volume [W/m^3]
+	TALIK_PARAMETERS(TALIK_HEAT_TRANSFER)
 	EnthalpyForm  enthalpyForm  = EnthalpyForm::stateFunction;
 	LatentDensity latentDensity = LatentDensity::ice;
 };
@@ -110,10 +125,17 @@ struct FrontConstants {
 	static constexpr double smallestMassShare = 1e-9;
 };
 
+/// Parameters of ThawFront, for the settings of the ground and for the class that a script sees.
+// clang-format off
+#define TALIK_THAW_FRONT \
+	((Real, thawedBelow, 0.02,,"Ice saturation at and below which a point becomes thawed ground [-], 0 to below 1: the bonds of samples are gone there.")) \
+	((Real, frozenAbove, 0.05,,"Ice saturation at and above which it becomes frozen ground again [-], above thawedBelow, up to 1: the bonds of samples form " \
+		"there."))
+// clang-format on
+
 /// The effect of two velocities where ground that ice holds meets ground that it does not, see ThawFront.
 struct ThawFrontSettings {
-	double         thawedBelow = 0.02; ///< ice saturation at and below which a point becomes thawed ground [-], in [0, 1): bonds are gone there
-	double         frozenAbove = 0.05; ///< ice saturation at and above which it becomes frozen ground again [-], above thawedBelow: bonds form there
+	TALIK_PARAMETERS(TALIK_THAW_FRONT)
 	FrontConstants constants;
 
 	/// Throws std::invalid_argument naming attribute, value and remedy.

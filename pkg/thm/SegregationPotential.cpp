@@ -12,7 +12,7 @@ namespace {
 
 void SegregationSettings::validate(const std::string& prefix) const
 {
-	const double sp = potential;
+	const double sp = segregationPotential;
 	requireSetting(
 	        std::isnan(sp) || sp == 0.0 || (sp >= 1e-13 && sp <= 1e-6), prefix + "segregationPotential", sp,
 	        "must be 0 or lie between 1e-13 and 1e-6 m^2/(s K); 1 mm^2/(s K), the usual unit, is 1e-6 m^2/(s K), and soils have 1e-10 to 4e-9; leave "
@@ -95,7 +95,7 @@ SegregationPotential::Intake SegregationPotential::largestIntake(double head, co
 
 double SegregationPotential::potential(double load, double pressure, double coldest) const
 {
-	if (settings_.isGiven()) return settings_.potential * std::exp(-settings_.pressureDecay * std::max(0.0, load - pressure));
+	if (settings_.isGiven()) return settings_.segregationPotential * std::exp(-settings_.pressureDecay * std::max(0.0, load - pressure));
 	return largestIntake(headOf(load, pressure), { 1.0, 0.0 }, 0.0, coldest).water;
 }
 

@@ -3,6 +3,7 @@
 
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
+#include <pkg/thm/ParameterList.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 
 #include <cmath>
@@ -12,15 +13,24 @@
 
 namespace talik {
 
+/// Parameters of IceSegregation, for the settings of the ground and for the class that a script sees.
+// clang-format off
+#define TALIK_ICE_SEGREGATION \
+	((Real, segregationPotential, NaN,,"SP_0 [m^2/(s K)], 0 or 1e-13 to 1e-6: water that the front draws over the gradient of temperature " \
+		"in the frozen ground behind it, without " \
+		"load. Frost-susceptible silts have 1e-10 to 4e-9; 1 mm^2/(s K) is 1e-6. NaN: computed, which needs a freezing curve and an " \
+		"impedance of the soil's own: " \
+		"the default impedance gives some fifty times what is measured.")) \
+	((Real, pressureDecay, 0,,"a of SP = SP_0 exp(-a P), P the effective stress normal to the front [1/Pa], 0 to 1e-3; soils have 1e-6 to " \
+		"1e-5 (Konrad and Morgenstern 1982). Only " \
+		"with segregationPotential."))
+// clang-format on
+
 /// How much water a freezing soil draws.
 struct SegregationSettings {
-	/// SP_0, water drawn over the gradient of temperature in the frozen ground behind the front, without load [m^2/(s K)]: 0 (none), or 1e-13 to
-	/// 1e-6. NaN (default): computed from permeability, freezing curve and load, eq. (26.1).
-	double potential = std::numeric_limits<double>::quiet_NaN();
-	/// a of SP = SP_0 exp(-a P), P the effective stress on the front [1/Pa], 0 to 1e-3. Only with a given potential.
-	double pressureDecay = 0.0;
+	TALIK_PARAMETERS(TALIK_ICE_SEGREGATION)
 
-	bool isGiven() const { return !std::isnan(potential); }
+	bool isGiven() const { return !std::isnan(segregationPotential); }
 	/// Throws std::invalid_argument naming attribute, value and remedy; prefix: before the names.
 	void validate(const std::string& prefix) const;
 };
@@ -53,7 +63,7 @@ public:
 	double potential(double load, double pressure, double coldest = -lowest) const;
 	/// The load at which a front of this coldest temperature draws nothing, from water of a pressure [Pa].
 	double heavingPressure(double coldest, double pressure = 0.0) const;
-	bool   drawsNothing() const { return settings_.potential == 0.0; }
+	bool   drawsNothing() const { return settings_.segregationPotential == 0.0; }
 
 private:
 	static constexpr double lowest = 10.0, step = 2.5e-3; ///< of the table, below T_f [K]

@@ -81,7 +81,7 @@ template <int D> GroundSettings<D> settingsOf(const Effects& e)
 		w.state.iceBulkModulus    = 8.8e7;
 		s.water                   = w;
 	}
-	if (e.segregation) s.segregation.emplace().potential = 1e-9;
+	if (e.segregation) s.segregation.emplace().segregationPotential = 1e-9;
 	if (e.settlement) {
 		SoilMaterial silt;
 		silt.mixture                     = s.mixture;
@@ -127,7 +127,7 @@ template <int D> std::unique_ptr<Ground<D>> groundWith(const Effects& e)
 std::unique_ptr<minimal::Block> minimalBlock(bool plastic)
 {
 	const MohrCoulombSkeleton<2> law;
-	const LameModuli             moduli { law.youngModulus, law.poissonRatio };
+	const LameModuli             moduli { law.young, law.poisson };
 	const double                 angle = law.frictionAngle * M_PI / 180.0, density = (1.0 - porosity) * MixtureProperties {}.solid.density;
 	Effects                      dry;
 	dry.plastic = plastic;

@@ -66,20 +66,20 @@ namespace {
 			const double modulus = dice.decades("E", std::max(1e6, 50.0 * weight), 1e10);
 			softest              = std::min(softest, modulus);
 			if (dice.chance("mohrCoulomb", 0.4)) {
-				auto m                = std::make_shared<MohrCoulombSkeleton<D>>();
-				m->youngModulus       = modulus;
-				m->youngModulusFrozen = modulus * dice.decades("frozenRatio", 1.0, 100.0);
-				m->poissonRatio       = dice.between("nu", 0.0, 0.45);
-				m->cohesion           = dice.decades("c", 1.0, 1e5);
-				m->cohesionFrozen     = m->cohesion * dice.decades("cFrozenRatio", 1.0, 1e3);
-				m->frictionAngle      = dice.between("phi", 0.0, 45.0);
-				m->dilationAngle      = m->frictionAngle * dice.between("dilation", 0.0, 1.0);
+				auto m             = std::make_shared<MohrCoulombSkeleton<D>>();
+				m->young           = modulus;
+				m->youngFrozen     = modulus * dice.decades("frozenRatio", 1.0, 100.0);
+				m->poisson         = dice.between("nu", 0.0, 0.45);
+				m->cohesion        = dice.decades("c", 1.0, 1e5);
+				m->cohesionFrozen  = m->cohesion * dice.decades("cFrozenRatio", 1.0, 1e3);
+				m->frictionAngle   = dice.between("phi", 0.0, 45.0);
+				m->dilationAngle   = m->frictionAngle * dice.between("dilation", 0.0, 1.0);
 				m->tensileStrength = m->tensileStrengthFrozen = 0.0;
 				s.skeletons.push_back(m);
 			} else {
-				auto e          = std::make_shared<ElasticSkeleton<D>>();
-				e->youngModulus = modulus;
-				e->poissonRatio = dice.between("nu", -0.2, 0.49);
+				auto e     = std::make_shared<ElasticSkeleton<D>>();
+				e->young   = modulus;
+				e->poisson = dice.between("nu", -0.2, 0.49);
 				s.skeletons.push_back(e);
 			}
 		}
@@ -268,8 +268,8 @@ namespace {
 	{
 		auto& drawn = scene.ground->settings().segregation.emplace();
 		if (!dice.chance("potentialGiven", 0.7)) return;
-		drawn.potential     = dice.decades("SP", 1e-12, 1e-7);
-		drawn.pressureDecay = dice.chance("decays", 0.5) ? dice.decades("a", 1e-7, 1e-4) : 0.0;
+		drawn.segregationPotential = dice.decades("SP", 1e-12, 1e-7);
+		drawn.pressureDecay        = dice.chance("decays", 0.5) ? dice.decades("a", 1e-7, 1e-4) : 0.0;
 	}
 
 } // namespace

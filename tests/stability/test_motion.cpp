@@ -19,13 +19,13 @@ double smallest(const std::vector<double>& v) { return *std::min_element(v.begin
 
 std::shared_ptr<MohrCoulombSkeleton<2>> soilCementedByIce()
 {
-	auto m                = std::make_shared<MohrCoulombSkeleton<2>>();
-	m->youngModulus       = 5e6;
-	m->youngModulusFrozen = 5e7;
-	m->cohesion           = 200.0;
-	m->cohesionFrozen     = 3e5;
-	m->frictionAngle      = 25.0;
-	m->tensileStrength    = 0.0;
+	auto m             = std::make_shared<MohrCoulombSkeleton<2>>();
+	m->young           = 5e6;
+	m->youngFrozen     = 5e7;
+	m->cohesion        = 200.0;
+	m->cohesionFrozen  = 3e5;
+	m->frictionAngle   = 25.0;
+	m->tensileStrength = 0.0;
 	return m;
 }
 

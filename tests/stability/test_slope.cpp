@@ -15,7 +15,7 @@ TEST(Slope, ThawsAndMovesWithEveryEffectOfTheGroundInBalance)
 	auto s              = everyEffect(0.5, { 4.0, 3.5 }, 8.64e5);
 	s.deformationRecord = true;
 	auto soil           = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus  = 5e6;
+	soil->young         = 5e6;
 	soil->cohesion      = 100.0;
 	s.skeletons         = { soil, elasticOedometer(2e8) };
 	for (const char* side : { "left", "right" })

@@ -66,10 +66,10 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	s.energyLedger           = true;
 	s.deformationRecord      = true;
 	auto rock                = std::make_shared<ElasticSkeleton<D>>();
-	rock->youngModulus       = 5e6;
+	rock->young              = 5e6;
 	auto soil                = std::make_shared<MohrCoulombSkeleton<D>>();
-	soil->youngModulus       = 2e6;
-	soil->youngModulusFrozen = 2e7;
+	soil->young              = 2e6;
+	soil->youngFrozen        = 2e7;
 	s.skeletons              = { rock, soil };
 	s.boundaries = { std::make_shared<RollerBoundary<D>>(Region<D>::side("left")), std::make_shared<RollerBoundary<D>>(Region<D>::side("right")),
 		         std::make_shared<FixedBoundary<D>>(Region<D>::side("bottom")),
@@ -102,7 +102,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	}
 	if (scene.segregation > 0.0) {
 		s.segregation.emplace();
-		if (!std::isinf(scene.segregation)) s.segregation->potential = scene.segregation;
+		if (!std::isinf(scene.segregation)) s.segregation->segregationPotential = scene.segregation;
 	}
 	if (scene.bodies) {
 		s.bodies.emplace();

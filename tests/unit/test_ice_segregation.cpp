@@ -30,10 +30,10 @@ template <int D> Ground<D> ground(double surface, double start, bool segregates)
 	s.water.emplace();
 	s.water->state.liquidBulkModulus = 2.2e7;
 	s.water->state.iceBulkModulus    = 8.8e7;
-	if (segregates) s.segregation.emplace().potential = 2e-9;
-	auto law          = std::make_shared<ElasticSkeleton<D>>();
-	law->youngModulus = 1e7;
-	s.skeletons       = { law };
+	if (segregates) s.segregation.emplace().segregationPotential = 2e-9;
+	auto law    = std::make_shared<ElasticSkeleton<D>>();
+	law->young  = 1e7;
+	s.skeletons = { law };
 	for (const char* side : { "left", "right", "bottom" })
 		s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side(side)));
 	s.boundaries.push_back(std::make_shared<SurfaceTemperature<D>>(Region<D>::freeSurface(), TimeTable(surface)));

@@ -18,10 +18,10 @@ namespace {
 BinghamSkeleton<2> mud()
 {
 	BinghamSkeleton<2> m;
-	m.youngModulus = 2.6e6; // G = 1 MPa
-	m.poissonRatio = 0.3;
-	m.yieldStress  = 800.0;
-	m.viscosity    = 50.0;
+	m.young       = 2.6e6; // G = 1 MPa
+	m.poisson     = 0.3;
+	m.yieldStress = 800.0;
+	m.viscosity   = 50.0;
 	return m;
 }
 
@@ -150,8 +150,8 @@ TEST(MpmBinghamSkeleton, UpToTheYieldStressGroundIsElasticToTheLastBit)
 {
 	auto               model = mud();
 	ElasticSkeleton<2> elastic;
-	elastic.youngModulus = model.youngModulus;
-	elastic.poissonRatio = model.poissonRatio;
+	elastic.young   = model.young;
+	elastic.poisson = model.poisson;
 	Element<2> flowing, reference;
 	flowing.time = reference.time = 1e-3;
 	for (auto* element : { &flowing, &reference }) {
@@ -196,8 +196,8 @@ TEST(MpmBinghamSkeleton, BadParametersAreNamed)
 	};
 	using Law                                                    = BinghamSkeleton<2>;
 	const std::tuple<double Law::*, double, const char*> wrong[] = {
-		{ &Law::youngModulus, 0.0, "BinghamSkeleton.young = 0: must be positive" },
-		{ &Law::poissonRatio, 0.5, "BinghamSkeleton.poisson = 0.5: must lie in" },
+		{ &Law::young, 0.0, "BinghamSkeleton.young = 0: must be positive" },
+		{ &Law::poisson, 0.5, "BinghamSkeleton.poisson = 0.5: must lie in" },
 		{ &Law::yieldStress, -1.0, "BinghamSkeleton.yieldStress = -1: must be finite and not negative" },
 		{ &Law::yieldStress, INFINITY, "BinghamSkeleton.yieldStress = inf" },
 		{ &Law::yieldStressFrozen, 700.0, "BinghamSkeleton.yieldStressFrozen = 700: must be finite and at least yieldStress" },

@@ -41,8 +41,8 @@ GroundSettings<2> blockSettings(const BlockScene& c)
 	s.heat->motionTolerance  = c.tolerance;
 	s.heat->followsMotion    = c.follows;
 	if (c.wet) s.water.emplace();
-	auto skeleton          = std::make_shared<ElasticSkeleton<2>>();
-	skeleton->youngModulus = 1e7;
+	auto skeleton   = std::make_shared<ElasticSkeleton<2>>();
+	skeleton->young = 1e7;
 	s.skeletons.push_back(skeleton);
 	return s;
 }
@@ -88,11 +88,11 @@ Ground<2> slidingFace()
 	s.heat->eventDisplacement = 1e-3;
 	s.freezing                = makeFreezingCurve();
 	s.water.emplace();
-	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus       = 2e6;
-	soil->youngModulusFrozen = 2e7;
-	soil->cohesion           = 0.0;
-	soil->frictionAngle      = 20.0;
+	auto soil           = std::make_shared<MohrCoulombSkeleton<2>>();
+	soil->young         = 2e6;
+	soil->youngFrozen   = 2e7;
+	soil->cohesion      = 0.0;
+	soil->frictionAngle = 20.0;
 	s.skeletons.push_back(soil);
 	s.boundaries   = { std::make_shared<RollerBoundary<2>>(Region<2>::side("left")), std::make_shared<FixedBoundary<2>>(Region<2>::side("bottom")),
 		           std::make_shared<DrainedBoundary<2>>(Region<2>::freeSurface()),

@@ -33,8 +33,8 @@ template <int D> std::unique_ptr<Ground<D>> bar(double eta, int cells = 20)
 	s.motion->picTime = std::numeric_limits<double>::infinity();
 	s.energyLedger    = true;
 	auto law          = std::make_shared<ElasticSkeleton<D>>();
-	law->youngModulus = young;
-	law->poissonRatio = 0.0;
+	law->young        = young;
+	law->poisson      = 0.0;
 	s.skeletons       = { law };
 	for (const std::string& side : sideNames(D)) // the viscous stress acts in all directions
 		s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side(side)));

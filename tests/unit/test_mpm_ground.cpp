@@ -34,8 +34,8 @@ template <int D> GroundSettings<D> sceneWith(const Effects& effects, double h = 
 	s.gridSpacing = h;
 	if (effects.motion) {
 		s.motion.emplace();
-		auto skeleton          = std::make_shared<ElasticSkeleton<D>>();
-		skeleton->youngModulus = 1e6;
+		auto skeleton   = std::make_shared<ElasticSkeleton<D>>();
+		skeleton->young = 1e6;
 		s.skeletons.push_back(skeleton);
 	}
 	if (effects.heat) s.heat.emplace();
@@ -85,8 +85,8 @@ Ground<2> busyScene(int parallelFrom = 4000, VelocityTransfer transfer = Velocit
 	s.motion->transfer       = transfer;
 	s.heat->thermalTimeScale = 1e5;
 	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus       = 2e6;
-	soil->youngModulusFrozen = 2e7;
+	soil->young              = 2e6;
+	soil->youngFrozen        = 2e7;
 	s.skeletons.push_back(soil);
 	s.boundaries   = { std::make_shared<RollerBoundary<2>>(Region<2>::side("left")),
 		           std::make_shared<RollerBoundary<2>>(Region<2>::side("right")),

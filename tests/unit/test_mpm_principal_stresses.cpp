@@ -170,7 +170,7 @@ TEST(MpmPrincipalStresses, GroundInSpaceYieldsWhereAGeneralSolverFindsItsStrengt
 	law.updateStress(b);
 
 	const double           sine = 0.5, cosine = std::sqrt(0.75);
-	const LameModuli       moduli(law.youngModulus, law.poissonRatio);
+	const LameModuli       moduli(law.young, law.poisson);
 	const MohrCoulombState state {
 		moduli.lambda, moduli.shear, law.cohesion, sine, cosine, std::sin(law.dilationAngle * M_PI / 180.0), law.tensileStrength
 	};

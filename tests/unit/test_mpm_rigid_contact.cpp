@@ -44,8 +44,8 @@ template <int D> Ground<D> freeCube(int parallelFrom = 1 << 30)
 	s.parallelFrom = parallelFrom;
 	s.motion.emplace();
 	s.bodies.emplace();
-	auto skeleton          = std::make_shared<ElasticSkeleton<D>>();
-	skeleton->youngModulus = 1e6;
+	auto skeleton   = std::make_shared<ElasticSkeleton<D>>();
+	skeleton->young = 1e6;
 	s.skeletons.push_back(skeleton);
 	Ground<D>          ground(s);
 	std::array<int, D> i {};

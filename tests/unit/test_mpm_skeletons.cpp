@@ -21,11 +21,11 @@ constexpr double degree = 0.017453292519943295;
 MohrCoulombSkeleton<2> soil(double cohesion, double friction, double dilation = 0.0)
 {
 	MohrCoulombSkeleton<2> m;
-	m.youngModulus = m.youngModulusFrozen = 1e7;
-	m.cohesion                            = cohesion;
-	m.cohesionFrozen                      = 50.0 * cohesion;
-	m.frictionAngle                       = friction;
-	m.dilationAngle                       = dilation;
+	m.young = m.youngFrozen = 1e7;
+	m.cohesion              = cohesion;
+	m.cohesionFrozen        = 50.0 * cohesion;
+	m.frictionAngle         = friction;
+	m.dilationAngle         = dilation;
 	m.tensileStrength = m.tensileStrengthFrozen = 1e9;
 	return m;
 }
@@ -77,8 +77,8 @@ TEST(MpmElasticSkeleton, RigidRotationTurnsTheStressExactly)
 TEST(MpmElasticSkeleton, SmallStrainsFollowHookesLaw)
 {
 	ElasticSkeleton<2> elastic;
-	elastic.youngModulus = 10e6;
-	elastic.poissonRatio = 0.25;
+	elastic.young   = 10e6;
+	elastic.poisson = 0.25;
 	Element<2> e;
 	e.gradient[3] = 1e-8;
 	e.step(elastic);
@@ -164,8 +164,8 @@ TEST(MpmMohrCoulombSkeleton, AnyTrialStateReturnsToTheSurfaceOnce)
 
 TEST(MpmMohrCoulombSkeleton, MeltingIceLowersStrengthAndStiffness)
 {
-	auto m               = soil(1e3, 0.0);
-	m.youngModulusFrozen = 1e8;
+	auto m        = soil(1e3, 0.0);
+	m.youngFrozen = 1e8;
 	Element<2> e;
 	e.ice       = 1.0;
 	e.stress[1] = -60e3;
@@ -197,9 +197,9 @@ template <int D> struct FreezingElement : Element<D> {
 	PointFields            fields;
 	FreezingElement()
 	{
-		law.youngModulus          = 1e7;
-		law.youngModulusFrozen    = 1e8;
-		law.poissonRatio          = 0.25;
+		law.young                 = 1e7;
+		law.youngFrozen           = 1e8;
+		law.poisson               = 0.25;
 		law.cohesion              = 0.0;
 		law.cohesionFrozen        = 1e6;
 		law.frictionAngle         = 35.0;
@@ -219,10 +219,7 @@ template <int D> struct FreezingElement : Element<D> {
 		}
 	}
 	/// Mean stress in the plane or in space that a strain of all directions gives [Pa per unit].
-	double modulus(double young) const
-	{
-		return young / ((1.0 + law.poissonRatio) * (1.0 - 2.0 * law.poissonRatio)) * (D == 2 ? 1.0 : 1.0 + law.poissonRatio);
-	}
+	double modulus(double young) const { return young / ((1.0 + law.poisson) * (1.0 - 2.0 * law.poisson)) * (D == 2 ? 1.0 : 1.0 + law.poisson); }
 };
 
 template <int D> void expectIceBornAndGoneWithoutStress()
@@ -293,8 +290,11 @@ TEST(MpmMohrCoulombSkeleton, GroundThatDoesNotFreezeKeepsNoFieldsOfIce)
 
 TEST(MpmMohrCoulombSkeleton, TablesGiveStrengthAndStiffnessOverIceSaturation)
 {
-	auto m  = soil(1e3, 0.0);
-	m.table = { { 0.1, 0.5, 0.9 }, { 1e7, 3e7, 4e7 }, { 2e3, 10e3, 50e3 }, { 0.0, 1e3, 9e3 } };
+	auto m             = soil(1e3, 0.0);
+	m.iceSaturations   = { 0.1, 0.5, 0.9 };
+	m.youngs           = { 1e7, 3e7, 4e7 };
+	m.cohesions        = { 2e3, 10e3, 50e3 };
+	m.tensileStrengths = { 0.0, 1e3, 9e3 };
 	m.validate();
 	const double expected[][3] = {
 		{ 0.0, 1e7, 2e3 }, { 0.1, 1e7, 2e3 }, { 0.4, 2.5e7, 8e3 }, { 0.7, 3.5e7, 30e3 }, { 0.9, 4e7, 50e3 }, { 1.0, 4e7, 50e3 }
@@ -314,9 +314,9 @@ TEST(MpmMohrCoulombSkeleton, TablesGiveStrengthAndStiffnessOverIceSaturation)
 		EXPECT_NEAR(modulus / (young * 0.7 / (1.3 * 0.4)), 1.0, 1e-12);
 		EXPECT_NEAR(yieldOf(e.stress, cohesion, 0.0), 0.0, 1e-6);
 	}
-	m.table.cohesion.pop_back();
+	m.cohesions.pop_back();
 	EXPECT_THROW(m.validate(), std::invalid_argument);
-	m.table.cohesion = { 2e3, 10e3, -1.0 };
+	m.cohesions = { 2e3, 10e3, -1.0 };
 	EXPECT_THROW(m.validate(), std::invalid_argument);
 }
 
@@ -334,7 +334,7 @@ TEST(MpmMohrCoulombSkeleton, BadParametersAreNamed)
 	m.dilationAngle = 31.0;
 	EXPECT_THROW(m.validate(), std::invalid_argument);
 	ElasticSkeleton<3> elastic;
-	elastic.poissonRatio = 0.5;
+	elastic.poisson = 0.5;
 	EXPECT_THROW(elastic.validate(), std::invalid_argument);
 }
 
@@ -418,7 +418,7 @@ TEST(MpmCreepingSkeleton, GroundWithoutIceOrTimeIsElasticToTheLastBit)
 	for (const bool frozen : { false, true }) {
 		auto               m = ice<3>(3.0);
 		ElasticSkeleton<3> elastic;
-		elastic.youngModulus = m.youngModulus;
+		elastic.young = m.young;
 		Element<3> creeping, reference;
 		for (Element<3>* e : { &creeping, &reference }) {
 			for (int c = 0; c < 9; ++c)
@@ -440,7 +440,7 @@ TEST(MpmCreepingSkeleton, BadParametersAreNamed)
 	auto m     = ice<2>(3.0);
 	m.exponent = 0.5;
 	EXPECT_THROW(m.validate(), std::invalid_argument);
-	m              = ice<2>(3.0);
-	m.youngModulus = -1.0;
+	m       = ice<2>(3.0);
+	m.young = -1.0;
 	EXPECT_THROW(m.validate(), std::invalid_argument);
 }

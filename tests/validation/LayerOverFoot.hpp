@@ -57,8 +57,8 @@ inline double acceleration(const Face& face, double spacing, double duration, co
 	s.heat.emplace();
 	s.freezing                 = makeFreezingCurve();
 	auto law                   = std::make_shared<MohrCoulombSkeleton<2>>();
-	law->youngModulus          = 20e6;
-	law->youngModulusFrozen    = 100e6;
+	law->young                 = 20e6;
+	law->youngFrozen           = 100e6;
 	law->frictionAngle         = face.friction;
 	law->cohesionFrozen        = 50e6;
 	law->tensileStrengthFrozen = 50e6;

@@ -81,11 +81,11 @@ template <int D> Ground<D> groundOf(const Level& level)
 		if (level.saturated) soil.permeability = s.water->permeability;
 		s.materials.push_back(soil);
 	}
-	auto law                = std::make_shared<MohrCoulombSkeleton<D>>();
-	law->youngModulus       = 1e7;
-	law->youngModulusFrozen = 2e7;
-	law->cohesion           = 2e3;
-	law->frictionAngle      = 30.0;
+	auto law           = std::make_shared<MohrCoulombSkeleton<D>>();
+	law->young         = 1e7;
+	law->youngFrozen   = 2e7;
+	law->cohesion      = 2e3;
+	law->frictionAngle = 30.0;
 	s.skeletons.push_back(law);
 	for (const std::string& side : sidesOf<D>())
 		s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side(side)));

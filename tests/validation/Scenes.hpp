@@ -69,9 +69,9 @@ inline void standOnRollers(GroundSettings<2>& s)
 /// Elastic skeleton whose oedometer modulus equals Young's modulus (nu = 0).
 inline std::shared_ptr<ElasticSkeleton<2>> elasticOedometer(double modulus)
 {
-	auto skeleton          = std::make_shared<ElasticSkeleton<2>>();
-	skeleton->youngModulus = modulus;
-	skeleton->poissonRatio = 0.0;
+	auto skeleton     = std::make_shared<ElasticSkeleton<2>>();
+	skeleton->young   = modulus;
+	skeleton->poisson = 0.0;
 	return skeleton;
 }
 

@@ -110,8 +110,8 @@ private:
 			s.water->state.iceBulkModulus               = 8.8e7;
 		}
 		auto law                   = std::make_shared<MohrCoulombSkeleton<2>>();
-		law->youngModulus          = slab_.young;
-		law->youngModulusFrozen    = slab_.youngFrozen;
+		law->young                 = slab_.young;
+		law->youngFrozen           = slab_.youngFrozen;
 		law->cohesion              = slab_.cohesion;
 		law->tensileStrength       = slab_.cohesion / std::tan(Slab::radians(slab_.friction)); // no cut-off below the cone
 		law->cohesionFrozen        = 50e6;

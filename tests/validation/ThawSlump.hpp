@@ -39,8 +39,8 @@ inline Ground<2> groundOf(const ThawSlump& slump)
 	s.water->state.liquidBulkModulus            = 5.5e6;
 	s.water->state.iceBulkModulus               = 2.2e7;
 	auto law                                    = std::make_shared<MohrCoulombSkeleton<2>>();
-	law->youngModulus                           = 4e6;
-	law->youngModulusFrozen                     = 2e7;
+	law->young                                  = 4e6;
+	law->youngFrozen                            = 2e7;
 	law->cohesion                               = slump.cohesion;
 	law->tensileStrength                        = 0.5 * slump.cohesion;
 	law->frictionAngle                          = 16.0; // of samples in simple shear

@@ -35,7 +35,7 @@ struct MudFlow {
 		s.motion.emplace();
 		s.motion->gravity = { gravity, 0.0 };
 		auto law          = std::make_shared<BinghamSkeleton<2>>();
-		law->youngModulus = young;
+		law->young        = young;
 		law->yieldStress  = yieldStress;
 		law->viscosity    = viscosity;
 		s.skeletons.push_back(law);

@@ -79,12 +79,12 @@ private:
 
 std::shared_ptr<MohrCoulombSkeleton<2>> soil(double young, double cohesion, double friction)
 {
-	auto law          = std::make_shared<MohrCoulombSkeleton<2>>();
-	law->youngModulus = law->youngModulusFrozen = young;
-	law->poissonRatio                           = 0.3;
-	law->cohesion                               = cohesion;
-	law->frictionAngle                          = friction;
-	law->dilationAngle                          = 0.0;
+	auto law   = std::make_shared<MohrCoulombSkeleton<2>>();
+	law->young = law->youngFrozen = young;
+	law->poisson                  = 0.3;
+	law->cohesion                 = cohesion;
+	law->frictionAngle            = friction;
+	law->dilationAngle            = 0.0;
 	return law;
 }
 
@@ -116,9 +116,9 @@ TEST(Bodies, APlaneLoadsAnOedometerEvenlyInEveryRow)
 		s.motion->localDamping = 0.5;
 		s.bodies.emplace();
 		standOnRollers(s);
-		auto skeleton          = std::make_shared<ElasticSkeleton<2>>();
-		skeleton->youngModulus = young;
-		skeleton->poissonRatio = 0.3;
+		auto skeleton     = std::make_shared<ElasticSkeleton<2>>();
+		skeleton->young   = young;
+		skeleton->poisson = 0.3;
 		s.skeletons.push_back(skeleton);
 		Ground<2> ground(s);
 		fillBox(ground, { 0.0, 0.0 }, { 0.5, height });
@@ -178,7 +178,7 @@ void expectFootingsToBear(const std::string& file, const std::vector<Footing>& f
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side("right"));
 		addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
 		auto clay             = soil(1e8, cohesion, 0.0);
-		clay->poissonRatio    = 0.4;
+		clay->poisson         = 0.4;
 		clay->tensileStrength = 1e6;
 		s.skeletons.push_back(clay);
 		Ground<2> ground(s);
@@ -293,9 +293,9 @@ void expectWallAtRest(int cells)
 		}
 		addBoundary<RollerBoundary<2>>(s, Region<2>::side("left"));
 		addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
-		auto elastic          = std::make_shared<ElasticSkeleton<2>>();
-		elastic->youngModulus = 1e7;
-		elastic->poissonRatio = poisson;
+		auto elastic     = std::make_shared<ElasticSkeleton<2>>();
+		elastic->young   = 1e7;
+		elastic->poisson = poisson;
 		s.skeletons.push_back(elastic);
 		Ground<2>    ground(s);
 		const double effective = wet ? buoyant : (1.0 - porosity) * 2650.0 * g;
@@ -344,9 +344,9 @@ TEST(Bodies, AWallShadesTheGroundThatItTouchesFromTheAir)
 		if (!body) addBoundary<RollerBoundary<2>>(s, Region<2>::side("right"));
 		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), air);
 		if (body) s.bodies.emplace();
-		auto elastic          = std::make_shared<ElasticSkeleton<2>>();
-		elastic->youngModulus = 1e7;
-		elastic->poissonRatio = 0.3;
+		auto elastic     = std::make_shared<ElasticSkeleton<2>>();
+		elastic->young   = 1e7;
+		elastic->poisson = 0.3;
 		s.skeletons.push_back(elastic);
 		Ground<2>    ground(s);
 		const double weight = 0.6 * 2650.0 * 9.81;

@@ -40,7 +40,7 @@ SlopeCalendar thawingFace(const SlopeRun& run, double days)
 	s.heat->motionTolerance  = run.tolerance;
 	s.freezing               = makeFreezingCurve();
 	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus = 10e6, soil->youngModulusFrozen = 50e6;
+	soil->young = 10e6, soil->youngFrozen = 50e6;
 	soil->cohesion = 3e3, soil->frictionAngle = 25.0;
 	soil->tensileStrength = 1.5e3; // without any the corner falls grain by grain, and each setting has a first event of its own
 	s.skeletons.push_back(soil);

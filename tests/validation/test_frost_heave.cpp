@@ -154,9 +154,9 @@ TEST(FrostHeave, ColumnFrozenLoadedUnloadedAndThawedReturnsToItsHeight)
 	s.heat->thermalTimeScale  = hastened;
 	s.freezing                = makeFreezingCurve();
 	auto soil                 = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus        = 1e7;
-	soil->youngModulusFrozen  = 1e8;
-	soil->poissonRatio        = 0.0;
+	soil->young               = 1e7;
+	soil->youngFrozen         = 1e8;
+	soil->poisson             = 0.0;
 	soil->cohesion = soil->cohesionFrozen = 1e7;
 	soil->tensileStrength = soil->tensileStrengthFrozen = 1e7;
 	s.skeletons.push_back(soil);

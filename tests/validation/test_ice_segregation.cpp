@@ -66,9 +66,9 @@ template <int D> GroundSettings<D> freezingGround(double h, const Vec<D>& upper)
 	s.water->state.iceBulkModulus               = 8.8e7;
 	s.water->state.cavitationPressure           = -1e6;
 	s.segregation.emplace();
-	auto law          = std::make_shared<ElasticSkeleton<D>>();
-	law->youngModulus = 1e7;
-	law->poissonRatio = 0.0;
+	auto law     = std::make_shared<ElasticSkeleton<D>>();
+	law->young   = 1e7;
+	law->poisson = 0.0;
 	s.skeletons.push_back(law);
 	return s;
 }
@@ -83,7 +83,7 @@ template <int D> double intakeOf(const Fringe& f, double h, const Vec<D>& cells,
 	GroundSettings<D> s                         = freezingGround<D>(h, upper);
 	s.water->permeability.referenceConductivity = f.conductivity;
 	s.water->permeability.impedance             = f.impedance;
-	s.segregation->potential                    = potential;
+	s.segregation->segregationPotential         = potential;
 	Ground<D>    ground(s);
 	const double size = 0.5 * h;
 	Vec<D>       x;
@@ -184,7 +184,7 @@ struct Column {
 		s.freezing                                  = makeFreezingCurve("sharp", { { "residualSaturation", 0.05 } });
 		s.heat->thermalTimeScale                    = scale;
 		s.water->permeability.referenceConductivity = 1e-7;
-		s.segregation->potential                    = potential;
+		s.segregation->segregationPotential         = potential;
 		standOnRollers(s);
 		addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable(cold));
 		if (open) addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface(), TimeTable(0.0), true);
@@ -260,7 +260,7 @@ struct FreezingSurface {
 		s.freezing                                  = curve;
 		s.heat->thermalTimeScale                    = scale;
 		s.water->permeability.referenceConductivity = 1e-7;
-		s.segregation->potential                    = potential;
+		s.segregation->segregationPotential         = potential;
 		standOnRollers(s);
 		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable(cold));
 		addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable(start));
@@ -446,10 +446,10 @@ TEST(IceSegregation, ColumnThatFreezesAndThawsHeavesAndSettlesAgain_slow)
 	s.motion->gravity                           = { 0.0, -9.81 };
 	s.heat->thermalTimeScale                    = scale;
 	s.water->permeability.referenceConductivity = 1e-7;
-	s.segregation->potential                    = 1e-9;
+	s.segregation->segregationPotential         = 1e-9;
 	auto soil                                   = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus                          = 1e7;
-	soil->youngModulusFrozen                    = 1e8;
+	soil->young                                 = 1e7;
+	soil->youngFrozen                           = 1e8;
 	soil->cohesion                              = 0.0;
 	soil->cohesionFrozen                        = 1e6;
 	soil->frictionAngle                         = 30.0;

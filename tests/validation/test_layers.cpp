@@ -146,13 +146,13 @@ struct SettlingColumn {
 
 std::shared_ptr<MohrCoulombSkeleton<2>> silt()
 {
-	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus       = 1e7;
-	soil->youngModulusFrozen = 1e8;
-	soil->poissonRatio       = 0.3;
-	soil->frictionAngle      = 30.0;
-	soil->cohesion           = 0.0;
-	soil->cohesionFrozen     = 2e5;
+	auto soil            = std::make_shared<MohrCoulombSkeleton<2>>();
+	soil->young          = 1e7;
+	soil->youngFrozen    = 1e8;
+	soil->poisson        = 0.3;
+	soil->frictionAngle  = 30.0;
+	soil->cohesion       = 0.0;
+	soil->cohesionFrozen = 2e5;
 	return soil;
 }
 
@@ -366,8 +366,8 @@ TEST(Layers, DrainedColumnOfIceRichGroundSettlesByItsThawStrain)
 	citing("hand formula of thaw settlement");
 	const std::vector<Layer> uniform { { 1.0, 0.6, 2.0, 0.35 } };
 	expectSettlement("V33 thaw settlement, elastic law, thaw strain 0.35", { uniform, elasticOedometer(1e7) }, 3.0);
-	auto confined          = elasticOedometer(1e7);
-	confined->poissonRatio = 0.3;
+	auto confined     = elasticOedometer(1e7);
+	confined->poisson = 0.3;
 	expectSettlement("V33 thaw settlement, elastic law that presses aside, thaw strain 0.35", { uniform, confined }, 3.0);
 	expectSettlement("V33 thaw settlement, Mohr-Coulomb law, thaw strain 0.35", { uniform, silt(), false, 1e6 }, 20.0);
 }

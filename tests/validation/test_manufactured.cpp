@@ -62,8 +62,8 @@ GroundSettings<2> square(int cells)
 	s.water->permeability.referenceConductivity = conductivity;
 	s.water->hydraulicTimeScale                 = 1.0;
 	auto skeleton                               = std::make_shared<ElasticSkeleton<2>>();
-	skeleton->youngModulus                      = shear * (3.0 * lambda + 2.0 * shear) / (lambda + shear);
-	skeleton->poissonRatio                      = 0.5 * lambda / (lambda + shear);
+	skeleton->young                             = shear * (3.0 * lambda + 2.0 * shear) / (lambda + shear);
+	skeleton->poisson                           = 0.5 * lambda / (lambda + shear);
 	s.skeletons.push_back(skeleton);
 	return s;
 }

@@ -25,9 +25,9 @@ template <int D> GroundSettings<D> dryBox(double spacing, const Vec<D>& size)
 
 template <int D> std::shared_ptr<ElasticSkeleton<D>> elastic(double young, double poisson)
 {
-	auto skeleton          = std::make_shared<ElasticSkeleton<D>>();
-	skeleton->youngModulus = young;
-	skeleton->poissonRatio = poisson;
+	auto skeleton     = std::make_shared<ElasticSkeleton<D>>();
+	skeleton->young   = young;
+	skeleton->poisson = poisson;
 	return skeleton;
 }
 
@@ -265,8 +265,8 @@ double earthPressure(double friction, double path)
 	s.motion->gravity      = { 0.0, -9.81 };
 	s.motion->localDamping = 0.3;
 	auto law               = std::make_shared<MohrCoulombSkeleton<2>>();
-	law->youngModulus      = 2e7;
-	law->poissonRatio      = 0.25;
+	law->young             = 2e7;
+	law->poisson           = 0.25;
 	law->frictionAngle     = friction;
 	law->cohesion          = 0.0;
 	s.skeletons.push_back(law);
@@ -326,8 +326,8 @@ double unitWeight() { return Slab().density() * Slab::gravity; }
 std::shared_ptr<MohrCoulombSkeleton<2>> thawedSand(double friction)
 {
 	auto law                   = std::make_shared<MohrCoulombSkeleton<2>>();
-	law->youngModulus          = 20e6;
-	law->youngModulusFrozen    = 100e6;
+	law->young                 = 20e6;
+	law->youngFrozen           = 100e6;
 	law->cohesion              = 0.0;
 	law->cohesionFrozen        = 50e6;
 	law->tensileStrengthFrozen = 50e6;
@@ -375,9 +375,9 @@ TEST(MovingWalls, ThawedLayerOnAFrozenBaseThatIsDraggedAwayFollowsByFriction)
 TEST(MovingWalls, FrozenAndThawedLayersPushedTogetherDoNotSlipOnEachOther)
 {
 	const double h = 0.1, length = 2.0, height = 1.0, path = 0.045, duration = 1.0;
-	auto         law  = thawedSand(26.0);
-	law->poissonRatio = 0.0;
-	law->youngModulus = 10e6;
+	auto         law = thawedSand(26.0);
+	law->poisson     = 0.0;
+	law->young       = 10e6;
 	law->cohesion = law->tensileStrength = 1e7;
 	auto s                               = freezingBox(h, { length, height }, 0.0, law);
 	s.motion->localDamping               = 0.3;
@@ -403,7 +403,7 @@ TEST(MovingWalls, FrozenAndThawedLayersPushedTogetherDoNotSlipOnEachOther)
 		citing("Hooke");
 		expectRelative(
 		        std::string("frozen and thawed layer pushed together by a wall: mean axial stress of the ") + (thawed ? "thawed" : "frozen") + " [Pa]",
-		        mean, (thawed ? law->youngModulus : law->youngModulusFrozen) * strain, 2e-2);
+		        mean, (thawed ? law->young : law->youngFrozen) * strain, 2e-2);
 	}
 	expectSmall("frozen and thawed layer pushed together by a wall: largest slip over the path", largestSize(slip) / path, 1e-2);
 }

@@ -466,7 +466,7 @@ template <int D> Ground<D> block(int parallelFrom)
 	s.water->state.liquidBulkModulus            = 2.2e7;
 	s.water->state.iceBulkModulus               = 8.8e7;
 	auto law                                    = std::make_shared<MohrCoulombSkeleton<D>>();
-	law->youngModulus                           = 20e6;
+	law->young                                  = 20e6;
 	law->cohesion                               = 0.0;
 	law->frictionAngle                          = 26.0;
 	law->cohesionFrozen                         = 50e6;

@@ -36,9 +36,9 @@ Ground<2> column(const TimeTable& temperatures, const TimeTable& loads, double s
 	s.heat->thermalTimeScale = scale;
 	s.freezing               = makeFreezingCurve();
 	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus       = thawedModulus;
-	soil->youngModulusFrozen = frozenModulus;
-	soil->poissonRatio       = 0.0;
+	soil->young              = thawedModulus;
+	soil->youngFrozen        = frozenModulus;
+	soil->poisson            = 0.0;
 	soil->cohesion = soil->cohesionFrozen = 1e7;
 	soil->tensileStrength = soil->tensileStrengthFrozen = 1e7;
 	s.skeletons.push_back(soil);

@@ -65,12 +65,12 @@ struct Column {
 
 std::shared_ptr<MohrCoulombSkeleton<2>> silt()
 {
-	auto soil                = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->youngModulus       = 1e7;
-	soil->youngModulusFrozen = 1e8;
-	soil->frictionAngle      = 30.0;
-	soil->cohesion           = 0.0;
-	soil->cohesionFrozen     = 2e5;
+	auto soil            = std::make_shared<MohrCoulombSkeleton<2>>();
+	soil->young          = 1e7;
+	soil->youngFrozen    = 1e8;
+	soil->frictionAngle  = 30.0;
+	soil->cohesion       = 0.0;
+	soil->cohesionFrozen = 2e5;
 	return soil;
 }
 

@@ -2,6 +2,14 @@
 #pragma once
 
 #include <pkg/mpm/effects/Effect.hpp>
+#include <pkg/thm/ParameterList.hpp>
+
+/// Parameters of BulkViscosity, for the model and for the class that a script sees.
+// clang-format off
+#define TALIK_BULK_VISCOSITY \
+	((Real, viscosity, 0,,"Bulk viscosity eta [Pa s], >= 0, in time of motion. 0.06 rho c h, with density, wave speed and grid spacing, is common for shocks. " \
+		"Limits the time step to rho h^2/(6 D eta)."))
+// clang-format on
 
 namespace talik {
 
@@ -9,7 +17,7 @@ namespace talik {
 /// In use from the step after the one whose strain it follows.
 template <int D> class BulkViscosity final : public Effect<D> {
 public:
-	double viscosity = 0.0; ///< eta [Pa s of motion], >= 0; 0.06 rho c h damps waves of two cells by some 10 % of critical
+	TALIK_PARAMETERS(TALIK_BULK_VISCOSITY)
 
 	std::string name() const override { return "bulk viscosity"; }
 	void        validate(const GroundSettings<D>&) const override;

@@ -92,8 +92,9 @@ public:
 	void gather(const WeightBlock<D>& w, const double* gained = nullptr);
 
 	const HeatSettings* settings;
-	double *            enthalpy, *temperature, *heatCapacity, *conductivity, *volume;
-	double* capacityWeight; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
+	double *            enthalpy = nullptr, *temperature = nullptr, *heatCapacity = nullptr, *conductivity = nullptr, *volume = nullptr;
+	double*             capacityWeight
+	        = nullptr; ///< [J/K] weight of a point in a node's temperature and in its heat: the sensible capacity, more where ice forms or melts
 
 	double reference = 0.0; ///< T_r from which nodal temperatures count, but for mapped [degC]
 

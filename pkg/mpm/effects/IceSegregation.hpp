@@ -54,7 +54,7 @@ public:
 	void part(const CellMeans<D>& cells, SolidMotion<D>& motion);
 	void restoreGradients(SolidMotion<D>& motion);
 
-	double *volume, *iceMass; ///< of excess ice when all of it is frozen [m^D]; what is frozen now [kg]
+	double *volume = nullptr, *iceMass = nullptr; ///< of excess ice when all of it is frozen [m^D]; what is frozen now [kg]
 
 private:
 	/// Water that leaves a cell [kg].

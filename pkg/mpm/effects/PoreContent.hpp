@@ -122,7 +122,7 @@ public:
 	double seepageScale(int place) const { return of(place).seepageScale; }
 	double smallestReferencePorosity() const;
 
-	double *solidMass, *waterMass, *porosity;
+	double *solidMass = nullptr, *waterMass = nullptr, *porosity = nullptr;
 	double* iceMass       = nullptr; ///< nullptr without freezing
 	double* iceSaturation = nullptr;
 

@@ -158,7 +158,7 @@ public:
 	double               kept = 1.0; ///< chi of the liquid in this step, see keptFraction()
 
 	std::array<double*, D> velocity; ///< of the liquid
-	double *               pressure, *liquidFraction, *drag;
+	double *               pressure = nullptr, *liquidFraction = nullptr, *drag = nullptr;
 
 	NodeField<Liquid::size>  nodes;
 	NodeField<Driving::size> nodal; ///< p - rho_l g.x, liquid fraction n_I, inverse liquid mass as mapped

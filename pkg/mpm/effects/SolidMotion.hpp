@@ -43,12 +43,12 @@ public:
 
 	std::array<double*, D>     velocity, displacement, position;
 	std::array<double*, S>     stress;
-	std::array<double*, D * D> gradient; ///< Delta t dv_i/dx_j
-	double*                    mass;     ///< that moves with the solid [kg]
-	double*                    volume;
-	double*                    initialVolume;
-	double*                    addedStress; ///< by the momentum balance to each normal stress: cell means and -p [Pa]; null: nothing
-	Vec<D>                     traceShare;  ///< of the strains in what B-bar adds to their sum, see traceShares()
+	std::array<double*, D * D> gradient;                ///< Delta t dv_i/dx_j
+	double*                    mass          = nullptr; ///< that moves with the solid [kg]
+	double*                    volume        = nullptr;
+	double*                    initialVolume = nullptr;
+	double*                    addedStress   = nullptr; ///< by the momentum balance to each normal stress: cell means and -p [Pa]; null: nothing
+	Vec<D>                     traceShare;              ///< of the strains in what B-bar adds to their sum, see traceShares()
 
 	NodeField<Record::size> nodes;
 	NodeField<Solved::size> solved; ///< chi dt a + (1 - chi) v, and v

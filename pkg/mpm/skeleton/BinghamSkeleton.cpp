@@ -10,8 +10,8 @@ namespace talik {
 
 template <int D> void BinghamSkeleton<D>::validate() const
 {
-	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "BinghamSkeleton.young", youngModulus, "must be positive, in Pa");
-	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "BinghamSkeleton.poisson", poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(std::isfinite(young) && young > 0.0, "BinghamSkeleton.young", young, "must be positive, in Pa");
+	requireSetting(poisson > -1.0 && poisson < 0.5, "BinghamSkeleton.poisson", poisson, "must lie in (-1, 0.5)");
 	requireSetting(std::isfinite(yieldStress) && yieldStress >= 0.0, "BinghamSkeleton.yieldStress", yieldStress, "must be finite and not negative, in Pa");
 	requireSetting(
 	        std::isfinite(yieldStressFrozen) && yieldStressFrozen >= yieldStress, "BinghamSkeleton.yieldStressFrozen", yieldStressFrozen,
@@ -28,7 +28,7 @@ template <int D> void BinghamSkeleton<D>::declareFields(PointFields& fields, con
 /// Eq. (27.2).
 template <int D> void BinghamSkeleton<D>::flow(const SkeletonBatch<D>& b, int first, int count)
 {
-	const double shear  = LameModuli(youngModulus, poissonRatio).shear;
+	const double shear  = LameModuli(young, poisson).shear;
 	const double ratio  = shear * b.time.motion / viscosity;
 	double*      flowed = fields_ ? fields_->component(strain_) : nullptr;
 	for (int p = first; p < first + count; ++p) {
@@ -43,12 +43,12 @@ template <int D> void BinghamSkeleton<D>::flow(const SkeletonBatch<D>& b, int fi
 
 template <int D> void BinghamSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
-	updateElasticBatch<D>(b, LameModuli(youngModulus, poissonRatio), [&](int first, int count) { flow(b, first, count); });
+	updateElasticBatch<D>(b, LameModuli(young, poisson), [&](int first, int count) { flow(b, first, count); });
 }
 
 template <int D> void BinghamSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
 {
-	const double m = LameModuli(youngModulus, poissonRatio).oedometer();
+	const double m = LameModuli(young, poisson).oedometer();
 	for (int k = 0; k < b.count; ++k)
 		modulus[b.place[k]] = m;
 }

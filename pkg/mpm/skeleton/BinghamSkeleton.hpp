@@ -2,6 +2,17 @@
 #pragma once
 
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/thm/ParameterList.hpp>
+
+/// Parameters of BinghamSkeleton, for the model and for the class that a script sees.
+// clang-format off
+#define TALIK_BINGHAM_SKELETON \
+	((Real, young, 1e6,,"Young's modulus E [Pa], > 0. Sets the time step; steady flow does not depend on it while stress is much smaller.")) \
+	((Real, poisson, 0.3,,"Poisson's ratio [-], in (-1, 0.5).")) \
+	((Real, yieldStress, 1e3,,"Thawed yield stress in simple shear [Pa], >= 0: some 10 to 2000 of mud and debris flows.")) \
+	((Real, yieldStressFrozen, 500e3,,"Yield stress at full ice saturation [Pa], >= yieldStress; linear in between.")) \
+	((Real, viscosity, 100,,"Bingham viscosity [Pa s], > 0: some 1 to 1000 of mud and debris flows."))
+// clang-format on
 
 namespace talik {
 
@@ -10,11 +21,7 @@ namespace talik {
 /// has the stress of a Bingham fluid whatever the length of a step.
 template <int D> class BinghamSkeleton final : public SkeletonModel<D> {
 public:
-	double youngModulus      = 1e6;   ///< E [Pa], > 0
-	double poissonRatio      = 0.3;   ///< nu [-], in (-1, 0.5)
-	double yieldStress       = 1e3;   ///< thawed tau_y [Pa], >= 0
-	double yieldStressFrozen = 500e3; ///< tau_y at S_i = 1 [Pa], >= yieldStress; linear in between
-	double viscosity         = 100.0; ///< mu [Pa s of motion], > 0
+	TALIK_PARAMETERS(TALIK_BINGHAM_SKELETON)
 
 	std::string                  name() const override { return "BinghamSkeleton"; }
 	std::optional<ShearStrength> shearStrength(double iceSaturation) const override { return ShearStrength { 0.0, yieldStressAt(iceSaturation) }; }

@@ -10,8 +10,8 @@ namespace talik {
 
 template <int D> void CreepingSkeleton<D>::validate() const
 {
-	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "CreepingSkeleton.young", youngModulus, "must be positive, in Pa");
-	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "CreepingSkeleton.poisson", poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(std::isfinite(young) && young > 0.0, "CreepingSkeleton.young", young, "must be positive, in Pa");
+	requireSetting(poisson > -1.0 && poisson < 0.5, "CreepingSkeleton.poisson", poisson, "must lie in (-1, 0.5)");
 	requireSetting(exponent >= 1.0 && exponent <= 10.0, "CreepingSkeleton.iceCreep.exponent", exponent, "must lie in [1, 10]");
 }
 
@@ -35,7 +35,7 @@ template <int D> double CreepingSkeleton<D>::relaxed(double trial, double compli
 
 template <int D> void CreepingSkeleton<D>::creep(const SkeletonBatch<D>& b, int first, int count)
 {
-	const double shear = LameModuli(youngModulus, poissonRatio).shear;
+	const double shear = LameModuli(young, poisson).shear;
 	double*      crept = fields_ ? fields_->component(strain_) : nullptr;
 	for (int p = first; p < first + count; ++p) {
 		if (b.iceSaturation && b.iceSaturation[p] == 0.0) continue;
@@ -51,14 +51,14 @@ template <int D> void CreepingSkeleton<D>::creep(const SkeletonBatch<D>& b, int 
 
 template <int D> void CreepingSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
-	updateElasticBatch<D>(b, LameModuli(youngModulus, poissonRatio), [&](int first, int count) {
+	updateElasticBatch<D>(b, LameModuli(young, poisson), [&](int first, int count) {
 		if (b.time.calendar > 0.0) creep(b, first, count);
 	});
 }
 
 template <int D> void CreepingSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
 {
-	const double m = LameModuli(youngModulus, poissonRatio).oedometer();
+	const double m = LameModuli(young, poisson).oedometer();
 	for (int k = 0; k < b.count; ++k)
 		modulus[b.place[k]] = m;
 }

@@ -2,8 +2,16 @@
 #pragma once
 
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/thm/ParameterList.hpp>
 
 #include <functional>
+
+/// Parameters of CreepingSkeleton, for the model and for the class that a script sees; the rate of flow is that of IceCreep there.
+// clang-format off
+#define TALIK_CREEPING_SKELETON \
+	((Real, young, 1e9,,"Young's modulus E [Pa], > 0. Sets the time step: a softer one runs faster, and steady creep does not know it.")) \
+	((Real, poisson, 0.3,,"Poisson's ratio of the elastic part [-], in (-1, 0.5)."))
+// clang-format on
 
 namespace talik {
 
@@ -12,9 +20,8 @@ namespace talik {
 /// Trial stress by the Jaumann rate, then eq. (25.2): implicit in the stress, so that steady creep is exact whatever the length of a step.
 template <int D> class CreepingSkeleton final : public SkeletonModel<D> {
 public:
-	double                        youngModulus = 1e9;             ///< E [Pa], > 0
-	double                        poissonRatio = 0.3;             ///< nu [-], in (-1, 0.5)
-	double                        exponent     = 3.0;             ///< n of Glen's law [-], 1 to 10
+	TALIK_PARAMETERS(TALIK_CREEPING_SKELETON)
+	double                        exponent = 3.0;                 ///< n of Glen's law [-], 1 to 10
 	std::function<double(double)> rateFactor;                     ///< A [Pa^-n/s] at a temperature [degC]
 	double                        temperatureWithoutHeat = -10.0; ///< of ground without heat [degC]
 

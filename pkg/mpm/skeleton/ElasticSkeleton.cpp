@@ -8,18 +8,18 @@ namespace talik {
 
 template <int D> void ElasticSkeleton<D>::validate() const
 {
-	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, "ElasticSkeleton.young", youngModulus, "must be positive, in Pa");
-	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, "ElasticSkeleton.poisson", poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(std::isfinite(young) && young > 0.0, "ElasticSkeleton.young", young, "must be positive, in Pa");
+	requireSetting(poisson > -1.0 && poisson < 0.5, "ElasticSkeleton.poisson", poisson, "must lie in (-1, 0.5)");
 }
 
 template <int D> void ElasticSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
-	updateElasticBatch<D, 1024, 4000>(b, LameModuli(youngModulus, poissonRatio), [](int, int) {});
+	updateElasticBatch<D, 1024, 4000>(b, LameModuli(young, poisson), [](int, int) {});
 }
 
 template <int D> void ElasticSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
 {
-	const double m = LameModuli(youngModulus, poissonRatio).oedometer();
+	const double m = LameModuli(young, poisson).oedometer();
 	for (int k = 0; k < b.count; ++k)
 		modulus[b.place[k]] = m;
 }

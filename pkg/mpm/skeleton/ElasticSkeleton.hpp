@@ -4,8 +4,16 @@
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/thm/ParameterList.hpp>
 
 #include <algorithm>
+
+/// Parameters of ElasticSkeleton, for the model and for the class that a script sees.
+// clang-format off
+#define TALIK_ELASTIC_SKELETON \
+	((Real, young, 10e6,,"Young's modulus E [Pa], > 0.")) \
+	((Real, poisson, 0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
+// clang-format on
 
 namespace talik {
 
@@ -33,8 +41,7 @@ template <int D, int Piece = 256, int Parallel = 2000, class After> void updateE
 /// rigid rotation turns the stress exactly.
 template <int D> class ElasticSkeleton final : public SkeletonModel<D> {
 public:
-	double youngModulus = 10e6; ///< E [Pa], > 0
-	double poissonRatio = 0.3;  ///< nu [-], in (-1, 0.5)
+	TALIK_PARAMETERS(TALIK_ELASTIC_SKELETON)
 
 	std::string name() const override { return "ElasticSkeleton"; }
 	bool        canFail() const override { return false; }

@@ -119,11 +119,9 @@ namespace {
 template <int D> void MohrCoulombSkeleton<D>::validate() const
 {
 	const auto name = [](const char* attribute) { return std::string("MohrCoulombSkeleton.") + attribute; };
-	requireSetting(std::isfinite(youngModulus) && youngModulus > 0.0, name("young"), youngModulus, "must be positive, in Pa");
-	requireSetting(
-	        std::isfinite(youngModulusFrozen) && youngModulusFrozen >= youngModulus, name("youngFrozen"), youngModulusFrozen,
-	        "must not be below young, in Pa");
-	requireSetting(poissonRatio > -1.0 && poissonRatio < 0.5, name("poisson"), poissonRatio, "must lie in (-1, 0.5)");
+	requireSetting(std::isfinite(young) && young > 0.0, name("young"), young, "must be positive, in Pa");
+	requireSetting(std::isfinite(youngFrozen) && youngFrozen >= young, name("youngFrozen"), youngFrozen, "must not be below young, in Pa");
+	requireSetting(poisson > -1.0 && poisson < 0.5, name("poisson"), poisson, "must lie in (-1, 0.5)");
 	requireSetting(std::isfinite(cohesion) && cohesion >= 0.0, name("cohesion"), cohesion, "must not be negative, in Pa");
 	requireSetting(std::isfinite(cohesionFrozen) && cohesionFrozen >= 0.0, name("cohesionFrozen"), cohesionFrozen, "must not be negative, in Pa");
 	requireSetting(frictionAngle >= 0.0 && frictionAngle < 90.0, name("frictionAngle"), frictionAngle, "must lie in [0, 90) degrees");
@@ -132,7 +130,7 @@ template <int D> void MohrCoulombSkeleton<D>::validate() const
 	requireSetting(
 	        std::isfinite(tensileStrengthFrozen) && tensileStrengthFrozen >= 0.0, name("tensileStrengthFrozen"), tensileStrengthFrozen,
 	        "must not be negative, in Pa");
-	requireSetting(std::isfinite(iceExponent) && iceExponent >= 1.0, name("exponent"), iceExponent, "must be 1 or more");
+	requireSetting(std::isfinite(exponent) && exponent >= 1.0, name("exponent"), exponent, "must be 1 or more");
 	validateTable();
 }
 
@@ -146,10 +144,10 @@ template <int D> void MohrCoulombSkeleton<D>::validateTable() const
 			        std::isfinite(value) && (zeroAllowed ? value >= 0.0 : value > 0.0), name, value,
 			        zeroAllowed ? "must not be negative" : "must be positive");
 	};
-	const auto& s = table.saturation;
-	require("youngs", table.youngModulus, s.size(), false);
-	require("cohesions", table.cohesion, s.size(), true);
-	require("tensileStrengths", table.tensileStrength, s.size(), true);
+	const auto& s = iceSaturations;
+	require("youngs", youngs, s.size(), false);
+	require("cohesions", cohesions, s.size(), true);
+	require("tensileStrengths", tensileStrengths, s.size(), true);
 	for (std::size_t k = 0; k < s.size(); ++k)
 		requireSetting(
 		        s[k] >= 0.0 && s[k] <= 1.0 && (k == 0 || s[k] > s[k - 1]), "MohrCoulombSkeleton.iceSaturations", s[k],
@@ -158,17 +156,17 @@ template <int D> void MohrCoulombSkeleton<D>::validateTable() const
 
 template <int D> typename MohrCoulombSkeleton<D>::AtSaturation MohrCoulombSkeleton<D>::at(double saturation) const
 {
-	const auto& s = table.saturation;
+	const auto& s = iceSaturations;
 	if (s.empty()) {
-		const double phi = iceFunction(saturation, iceExponent);
-		return { youngModulus + (youngModulusFrozen - youngModulus) * phi, cohesion + (cohesionFrozen - cohesion) * phi,
+		const double phi = iceFunction(saturation, exponent);
+		return { young + (youngFrozen - young) * phi, cohesion + (cohesionFrozen - cohesion) * phi,
 			 tensileStrength + (tensileStrengthFrozen - tensileStrength) * phi };
 	}
 	const std::size_t above = std::upper_bound(s.begin(), s.end(), saturation) - s.begin();
 	const std::size_t j = std::min(above, s.size() - 1), i = above == 0 ? 0 : above - 1;
 	const double      part  = i == j ? 0.0 : (saturation - s[i]) / (s[j] - s[i]);
 	const auto        value = [&](const std::vector<double>& column) { return column[i] + part * (column[j] - column[i]); };
-	return { value(table.youngModulus), value(table.cohesion), value(table.tensileStrength) };
+	return { value(youngs), value(cohesions), value(tensileStrengths) };
 }
 
 template <int D> void MohrCoulombSkeleton<D>::declareFields(PointFields& fields, const std::string& prefix)
@@ -184,10 +182,10 @@ template <int D> void MohrCoulombSkeleton<D>::declareFields(PointFields& fields,
 template <int D> void MohrCoulombSkeleton<D>::initialise(const SkeletonBatch<D>& b)
 {
 	if (iceModulus_ < 0) return;
-	const double thawed  = at(0.0).youngModulus;
+	const double thawed  = at(0.0).young;
 	double*      modulus = fields_->component(iceModulus_);
 	for (int k = 0; k < b.count; ++k)
-		modulus[b.place[k]] = std::max(0.0, at(b.iceSaturation[b.place[k]]).youngModulus - thawed);
+		modulus[b.place[k]] = std::max(0.0, at(b.iceSaturation[b.place[k]]).young - thawed);
 }
 
 /// Davis 1968: tan(phi) with psi = phi, sin(phi) without dilation, and the same share of the cohesion.
@@ -216,11 +214,11 @@ template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D
 
 template <int D> void MohrCoulombSkeleton<D>::lookUp(const double* saturation, int count, Piece& piece) const
 {
-	if (saturation && table.saturation.empty() && iceExponent == 2.0) return interpolate(saturation, count, piece);
+	if (saturation && iceSaturations.empty() && exponent == 2.0) return interpolate(saturation, count, piece);
 	AtSaturation present = at(0.0);
 	for (int k = 0; k < count; ++k) {
 		if (saturation) present = at(saturation[k]);
-		piece.youngModulus[k]    = present.youngModulus;
+		piece.young[k]           = present.young;
 		piece.cohesion[k]        = present.cohesion;
 		piece.tensileStrength[k] = present.tensileStrength;
 	}
@@ -229,13 +227,13 @@ template <int D> void MohrCoulombSkeleton<D>::lookUp(const double* saturation, i
 /// The usual exponent, without a power function per point.
 template <int D> void MohrCoulombSkeleton<D>::interpolate(const double* saturation, int count, Piece& piece) const
 {
-	const double stiffness = youngModulus, moreStiffness = youngModulusFrozen - youngModulus;
+	const double stiffness = young, moreStiffness = youngFrozen - young;
 	const double strength = cohesion, moreStrength = cohesionFrozen - cohesion;
 	const double tension = tensileStrength, moreTension = tensileStrengthFrozen - tensileStrength;
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k) {
 		const double phi         = squareIceFunction(saturation[k]);
-		piece.youngModulus[k]    = stiffness + moreStiffness * phi;
+		piece.young[k]           = stiffness + moreStiffness * phi;
 		piece.cohesion[k]        = strength + moreStrength * phi;
 		piece.tensileStrength[k] = tension + moreTension * phi;
 	}
@@ -251,7 +249,7 @@ template <int D> void MohrCoulombSkeleton<D>::limitTension(double cotangent, int
 template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& b, int first, int count)
 {
 	double*          plasticStrain = fields_ ? fields_->component(plasticStrain_) : nullptr;
-	const LameModuli unit(1.0, poissonRatio);
+	const LameModuli unit(1.0, poisson);
 	MohrCoulombState m;
 	m.sinFriction = std::sin(frictionAngle * degree);
 	m.cosFriction = std::cos(frictionAngle * degree);
@@ -261,8 +259,8 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 	lookUp(b.iceSaturation ? b.iceSaturation + first : nullptr, count, piece);
 	if (m.sinFriction > 0.0) limitTension(m.cosFriction / m.sinFriction, count, piece);
 	for (int k = 0; k < count; ++k) {
-		lambda[k] = piece.youngModulus[k] * unit.lambda;
-		shear[k]  = piece.youngModulus[k] * unit.shear;
+		lambda[k] = piece.young[k] * unit.lambda;
+		shear[k]  = piece.young[k] * unit.shear;
 	}
 	const std::array<double*, stressSize<D>> stress = from(b.stress, first);
 	updateElastic<D>(count, lambda, shear, from(b.gradient, first), stress);
@@ -286,7 +284,7 @@ void MohrCoulombSkeleton<D>::splitModulus(
 	const LameModuli unit(1.0, poisson);
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k) {
-		const double whole = piece.youngModulus[k], grains = std::min(whole, thawedModulus), ice = whole - grains;
+		const double whole = piece.young[k], grains = std::min(whole, thawedModulus), ice = whole - grains;
 		parts.keptIce[k]      = ice < iceModulus[k] ? ice / iceModulus[k] : 1.0;
 		parts.grainLambda[k]  = grains * unit.lambda;
 		parts.grainShear[k]   = grains * unit.shear;
@@ -322,7 +320,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBa
 	lookUp(b.iceSaturation + first, count, piece);
 	const double sine = std::sin(frictionAngle * degree);
 	if (sine > 0.0) limitTension(std::cos(frictionAngle * degree) / sine, count, piece);
-	splitModulus(at(0.0).youngModulus, fields_->component(opening_) + first, fields_->component(iceModulus_) + first, count, piece, poissonRatio, parts);
+	splitModulus(at(0.0).young, fields_->component(opening_) + first, fields_->component(iceModulus_) + first, count, piece, poisson, parts);
 	std::array<double*, stressSize<D>> stress, ice;
 	for (int c = 0; c < stressSize<D>; ++c) {
 		stress[c] = b.stress[c] + first;
@@ -410,9 +408,9 @@ void MohrCoulombSkeleton<D>::limitSum(int first, int count, const Piece& piece, 
 
 template <int D> void MohrCoulombSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
 {
-	const double unit = LameModuli(1.0, poissonRatio).oedometer();
+	const double unit = LameModuli(1.0, poisson).oedometer();
 	for (int k = 0; k < b.count; ++k)
-		modulus[b.place[k]] = unit * at(b.iceSaturation ? b.iceSaturation[b.place[k]] : 0.0).youngModulus;
+		modulus[b.place[k]] = unit * at(b.iceSaturation ? b.iceSaturation[b.place[k]] : 0.0).young;
 }
 
 template class MohrCoulombSkeleton<2>;

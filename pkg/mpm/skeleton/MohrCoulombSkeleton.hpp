@@ -4,9 +4,29 @@
 #include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
 #include <pkg/mpm/skeleton/PrincipalStresses.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/thm/ParameterList.hpp>
 #include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
+
+/// Parameters of MohrCoulombSkeleton, for the model and for the class that a script sees.
+// clang-format off
+#define TALIK_MOHR_COULOMB_SKELETON \
+	((Real, young, 10e6,,"Thawed Young's modulus [Pa], > 0.")) \
+	((Real, youngFrozen, 100e6,,"Young's modulus at full ice saturation [Pa], >= young.")) \
+	((Real, poisson, 0.3,,"Poisson's ratio [-], in (-1, 0.5).")) \
+	((Real, cohesion, 1e3,,"Thawed cohesion [Pa], >= 0.")) \
+	((Real, cohesionFrozen, 500e3,,"Cohesion at full ice saturation [Pa], >= 0.")) \
+	((Real, frictionAngle, 30,,"[deg], 0 to below 90 (FrictMat of YADE has radians).")) \
+	((Real, dilationAngle, 0,,"[deg], 0 to frictionAngle.")) \
+	((Real, tensileStrength, 0,,"Thawed tensile strength [Pa], >= 0.")) \
+	((Real, tensileStrengthFrozen, 200e3,,"Tensile strength at full ice saturation [Pa], >= 0.")) \
+	((Real, exponent, 2,,"m of phi [-], >= 1.")) \
+	((vector<Real>, iceSaturations, ,,"Ice saturations of the tables, ascending in 0..1 [-]; empty: values follow phi.")) \
+	((vector<Real>, youngs, ,,"Young's modulus at each of iceSaturations [Pa], > 0.")) \
+	((vector<Real>, cohesions, ,,"Cohesion at each of iceSaturations [Pa], >= 0.")) \
+	((vector<Real>, tensileStrengths, ,,"Tensile strength at each of iceSaturations [Pa], >= 0."))
+// clang-format on
 
 namespace talik {
 
@@ -23,24 +43,7 @@ namespace talik {
 /// volume of the opening is kept, and the grains are pressed again only when it has closed. Given initial stress is that of the grains.
 template <int D> class MohrCoulombSkeleton final : public SkeletonModel<D> {
 public:
-	double youngModulus          = 10e6;  ///< thawed E [Pa], > 0
-	double youngModulusFrozen    = 100e6; ///< E at S_i = 1 [Pa], >= youngModulus
-	double poissonRatio          = 0.3;   ///< [-], in (-1, 0.5)
-	double cohesion              = 1e3;   ///< thawed c [Pa], >= 0
-	double cohesionFrozen        = 500e3; ///< c at S_i = 1 [Pa], >= 0
-	double frictionAngle         = 30.0;  ///< [deg], in [0, 90)
-	double dilationAngle         = 0.0;   ///< [deg], in [0, frictionAngle]
-	double tensileStrength       = 0.0;   ///< thawed [Pa], >= 0; never above c cot(phi)
-	double tensileStrengthFrozen = 200e3; ///< at S_i = 1 [Pa], >= 0
-	double iceExponent           = 2.0;   ///< m of phi [-], >= 1
-
-	/// Values at ascending ice saturations, linear in between and constant beyond; equal lengths, all empty for the function phi.
-	struct IceTable {
-		std::vector<double> saturation;      ///< S_i [-]
-		std::vector<double> youngModulus;    ///< [Pa], > 0
-		std::vector<double> cohesion;        ///< [Pa], >= 0
-		std::vector<double> tensileStrength; ///< [Pa], >= 0
-	} table;
+	TALIK_PARAMETERS(TALIK_MOHR_COULOMB_SKELETON)
 
 	std::string                  name() const override { return "MohrCoulombSkeleton"; }
 	std::optional<ShearStrength> shearStrength(double iceSaturation) const override;
@@ -52,14 +55,14 @@ public:
 
 private:
 	struct AtSaturation {
-		double youngModulus, cohesion, tensileStrength;
+		double young, cohesion, tensileStrength;
 	};
 	AtSaturation         at(double saturation) const;
 	void                 validateTable() const;
 	static constexpr int pieceSize = 256;
 	/// Of points in sequence.
 	struct Piece {
-		double youngModulus[pieceSize], cohesion[pieceSize], tensileStrength[pieceSize];
+		double young[pieceSize], cohesion[pieceSize], tensileStrength[pieceSize];
 	};
 	void                                 lookUp(const double* saturation, int count, Piece& piece) const;
 	TALIK_PROCESSOR_VERSIONS void        interpolate(const double* saturation, int count, Piece& piece) const;

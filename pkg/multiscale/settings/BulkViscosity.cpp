@@ -9,16 +9,15 @@ class BulkViscosity : public EffectInAnyDimension<BulkViscosity> {
 public:
 	template <int D> Pointer<D> make() const
 	{
-		auto effect       = std::make_shared<talik::BulkViscosity<D>>();
-		effect->viscosity = viscosity;
+		auto effect = std::make_shared<talik::BulkViscosity<D>>();
+		TALIK_TAKE(*effect, *this, TALIK_BULK_VISCOSITY)
 		return effect;
 	}
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(BulkViscosity,GroundEffect,"A mean stress in proportion to the rate of volume change damps pressure waves, the shorter "
 			"ones faster, and leaves shear alone. A wave of frequency omega [rad/s] decays as exp(-viscosity omega^2 t/(2 M)) with the oedometer "
 			"modulus M. Dissipation is in dampingDissipation of MpmEngine.balance. Field viscousStress [Pa]. Example: mpm.effects=[BulkViscosity(viscosity=1e4)].",
-		((Real,viscosity,0,,"Bulk viscosity eta [Pa s], >= 0, in time of motion. 0.06 rho c h, with density, wave speed and grid spacing, is common for shocks. "
-				"Limits the time step to rho h^2/(6 D eta)."))
+		TALIK_BULK_VISCOSITY
 	);
 	// clang-format on
 };

@@ -75,7 +75,7 @@ talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const Por
 talik::ThawFrontSettings ThawFront::build() const
 {
 	talik::ThawFrontSettings f;
-	TALIK_TAKE_ATTRIBUTES(f, *this, (thawedBelow)(frozenAbove))
+	TALIK_TAKE(f, *this, TALIK_THAW_FRONT)
 	f.validate();
 	return f;
 }
@@ -83,8 +83,7 @@ talik::ThawFrontSettings ThawFront::build() const
 talik::SegregationSettings IceSegregation::build() const
 {
 	talik::SegregationSettings s;
-	s.potential     = segregationPotential;
-	s.pressureDecay = pressureDecay;
+	TALIK_TAKE(s, *this, TALIK_ICE_SEGREGATION)
 	s.validate("IceSegregation.");
 	return s;
 }
@@ -92,8 +91,7 @@ talik::SegregationSettings IceSegregation::build() const
 talik::HeatSettings HeatTransfer::build() const
 {
 	talik::HeatSettings heat;
-	TALIK_TAKE_ATTRIBUTES(
-	        heat, *this, (thermalTimeScale)(followsMotion)(movingTimeScale)(motionTolerance)(eventSpeed)(eventDisplacement)(source)(smoothingTime))
+	TALIK_TAKE(heat, *this, TALIK_HEAT_TRANSFER)
 	heat.enthalpyForm  = talik::enthalpyFormFromName(enthalpyForm);
 	heat.latentDensity = talik::latentDensityFromName(latentDensity);
 	return heat;

@@ -12,25 +12,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(HeatTransfer,Serializable,"Effect of a scene: heat is stored as enthalpy, conducted, and carried by seeping water. Without it "
 			"there is no temperature. Example: MpmEngine(gridSpacing=0.5,heat=HeatTransfer(thermalTimeScale=8.64e5,followsMotion=True)).",
-		((Real,thermalTimeScale,1,,"f_T [-], > 0: calendar time that passes in each second of motion. Conduction, surface coefficients, heat fluxes and sources are "
-				"multiplied by it, and seepage and rain unless PoreWater.hydraulicTimeScale says otherwise; tables of boundaries are read at calendar time. With "
-				"followsMotion its largest value, at rest. May be changed while running."))
-		((bool,followsMotion,false,,"The scale of the calendar follows the motion: thermalTimeScale f_T while the ground rests, movingTimeScale f_m while it "
-				"moves, in between f_m + (f_T - f_m)/(1 + (v/motionTolerance)^2). v is the speed of the fastest ground, the largest mean velocity of the points of a cell. "
-				"Where heat needs shorter steps the scale is lowered, not the time step. See MpmEngine.calendar and MpmEngine.events. False: thermalTimeScale always. "
-				"Needs motion."))
-		((Real,movingTimeScale,1,,"f_m [-], > 0, at most thermalTimeScale: scale of the calendar while the ground moves, with followsMotion. 1: real time. May be "
-				"changed while running."))
-		((Real,motionTolerance,0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest ground at which the scale of the calendar lies half way between its two values. "
-				"While ground with the acceleration a gains this speed, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running."))
-		((Real,eventSpeed,1e-5,,"Speed in calendar time above which motion is an event [m/s], >= 0: the speed of the fastest ground divided by the scale of the "
-				"calendar. It must also exceed motionTolerance. Ground that only settles or creeps as it thaws is slower, whatever the scale. "
-				"1e-5 m/s is a metre a day, a moderate landslide (Cruden and Varnes 1996)."))
-		((Real,eventDisplacement,0.02,,"Displacement from which on a point counts as moved in an event [m], > 0. Events in which no point moves that far are "
-				"left out."))
-		((Real,source,0,,"Heat produced per volume [W/m^3]."))
-		((Real,smoothingTime,NaN,,"Time constant of the damping of temperature differences that vanish at the nodes (null space of the grid); energy is conserved "
-				"[s of calendar time]. NaN: chosen from the grid, infinite: no damping."))
+		TALIK_HEAT_TRANSFER
 		((string,enthalpyForm,"stateFunction",,"stateFunction (exact) or capacityIntegral (latent heat constant, Yu & Zhao eq. 4)."))
 		((string,latentDensity,"ice",,"Density that multiplies the latent heat: ice (the mass that melts) or liquid (as printed in Yu & Zhao eq. 4; 9.9 % more "
 				"heat)."))
@@ -77,9 +59,7 @@ public:
 			"thawed points. It acts in scenes with motion, freezing and a skeleton that can fail, with the fields frozenSide (1: frozen) and slip [m]. "
 			"MpmEngine.thawFront=None switches it off: a layer thinner than about two cells then moves with its base. Example: "
 			"MpmEngine(gridSpacing=0.5,thawFront=ThawFront(frozenAbove=0.1)).",
-		((Real,thawedBelow,0.02,,"Ice saturation at and below which a point becomes thawed ground [-], 0 to below 1: the bonds of samples are gone there."))
-		((Real,frozenAbove,0.05,,"Ice saturation at and above which it becomes frozen ground again [-], above thawedBelow, up to 1: the bonds of samples form "
-				"there."))
+		TALIK_THAW_FRONT
 	);
 	// clang-format on
 };
@@ -138,14 +118,7 @@ public:
 			"cell at a surface or wall of known temperature intake begins with the first ice. The ice of a computed "
 			"intake lies where the lens is, at most three cells behind the first frozen one. Example: "
 			"MpmEngine(gridSpacing=0.1,segregation=IceSegregation(segregationPotential=1e-9,pressureDecay=5e-6)).",
-		((Real,segregationPotential,NaN,,"SP_0 [m^2/(s K)], 0 or 1e-13 to 1e-6: water that the front draws over the gradient of temperature "
-				"in the frozen ground behind it, without "
-				"load. Frost-susceptible silts have 1e-10 to 4e-9; 1 mm^2/(s K) is 1e-6. NaN: computed, which needs a freezing curve and an "
-				"impedance of the soil's own: "
-				"the default impedance gives some fifty times what is measured."))
-		((Real,pressureDecay,0,,"a of SP = SP_0 exp(-a P), P the effective stress normal to the front [1/Pa], 0 to 1e-3; soils have 1e-6 to "
-				"1e-5 (Konrad and Morgenstern 1982). Only "
-				"with segregationPotential."))
+		TALIK_ICE_SEGREGATION
 	);
 	// clang-format on
 };

@@ -21,35 +21,12 @@ SkeletonLaw::Model<3> SkeletonLaw::build(const Places<3>&)
 
 vector<Real> SkeletonLaw::valueAt(const string& name, int) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }
 
-template <int D> SkeletonLaw::Model<D> ElasticSkeleton::model() const
-{
-	auto model          = std::make_shared<talik::ElasticSkeleton<D>>();
-	model->youngModulus = young;
-	model->poissonRatio = poisson;
-	model->validate();
-	return model;
-}
-
-template <int D> SkeletonLaw::Model<D> MohrCoulombSkeleton::model() const
-{
-	auto model                = std::make_shared<talik::MohrCoulombSkeleton<D>>();
-	model->youngModulus       = young;
-	model->youngModulusFrozen = youngFrozen;
-	model->poissonRatio       = poisson;
-	TALIK_TAKE_ATTRIBUTES(*model, *this, (cohesion)(cohesionFrozen)(frictionAngle)(dilationAngle)(tensileStrength)(tensileStrengthFrozen))
-	model->iceExponent = exponent;
-	model->table       = { iceSaturations, youngs, cohesions, tensileStrengths };
-	model->validate();
-	return model;
-}
-
 template <int D> SkeletonLaw::Model<D> CreepingSkeleton::model() const
 {
 	if (!iceCreep) throw std::invalid_argument("CreepingSkeleton.iceCreep is None; give an IceCreep(), or use ElasticSkeleton.");
-	const auto law                = iceCreep->law();
-	auto       model              = std::make_shared<talik::CreepingSkeleton<D>>();
-	model->youngModulus           = young;
-	model->poissonRatio           = poisson;
+	const auto law   = iceCreep->law();
+	auto       model = std::make_shared<talik::CreepingSkeleton<D>>();
+	TALIK_TAKE(*model, *this, TALIK_CREEPING_SKELETON)
 	model->exponent               = law.exponent;
 	model->rateFactor             = [law](double temperature) { return law.rateFactorAt(temperature); };
 	model->temperatureWithoutHeat = law.referenceTemperature;
@@ -57,10 +34,6 @@ template <int D> SkeletonLaw::Model<D> CreepingSkeleton::model() const
 	return model;
 }
 
-template SkeletonLaw::Model<2> ElasticSkeleton::model<2>() const;
-template SkeletonLaw::Model<3> ElasticSkeleton::model<3>() const;
-template SkeletonLaw::Model<2> MohrCoulombSkeleton::model<2>() const;
-template SkeletonLaw::Model<3> MohrCoulombSkeleton::model<3>() const;
 template SkeletonLaw::Model<2> CreepingSkeleton::model<2>() const;
 template SkeletonLaw::Model<3> CreepingSkeleton::model<3>() const;
 

@@ -67,14 +67,23 @@ public:
 	Model<3> build(const Places<3>&) override { return static_cast<const Law&>(*this).template model<3>(); }
 };
 
+/// The model of a law whose parameters are all in a list, see ParameterList.hpp.
+#define TALIK_MODEL_FROM_LIST(Law, list)                        \
+	template <int D> Model<D> model() const                 \
+	{                                                       \
+		auto model = std::make_shared<talik::Law<D>>(); \
+		TALIK_TAKE(*model, *this, list)                 \
+		model->validate();                              \
+		return model;                                   \
+	}
+
 class ElasticSkeleton : public LawInAnyDimension<ElasticSkeleton> {
 public:
-	template <int D> Model<D> model() const;
+	TALIK_MODEL_FROM_LIST(ElasticSkeleton, TALIK_ELASTIC_SKELETON)
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(ElasticSkeleton,SkeletonLaw,"Isotropic hypoelastic skeleton. Example: "
 			"MpmEngine(gridSpacing=0.5,skeleton=ElasticSkeleton(young=10e6,poisson=0.3)).",
-		((Real,young,10e6,,"Young's modulus E [Pa], > 0."))
-		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
+		TALIK_ELASTIC_SKELETON
 	);
 	// clang-format on
 };
@@ -82,25 +91,12 @@ REGISTER_SERIALIZABLE(ElasticSkeleton);
 
 class MohrCoulombSkeleton : public LawInAnyDimension<MohrCoulombSkeleton> {
 public:
-	template <int D> Model<D> model() const;
+	TALIK_MODEL_FROM_LIST(MohrCoulombSkeleton, TALIK_MOHR_COULOMB_SKELETON)
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(MohrCoulombSkeleton,SkeletonLaw,"Elastic, perfectly plastic skeleton whose stiffness, cohesion and tensile strength follow ice "
-			"saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: talik.studies.calibrate measures them "
-			"on a sample. Example: MohrCoulombSkeleton(cohesion=1e3,cohesionFrozen=300e3,frictionAngle=20).",
-		((Real,young,10e6,,"Thawed Young's modulus [Pa], > 0."))
-		((Real,youngFrozen,100e6,,"Young's modulus at full ice saturation [Pa], >= young."))
-		((Real,poisson,0.3,,"Poisson's ratio [-], in (-1, 0.5)."))
-		((Real,cohesion,1e3,,"Thawed cohesion [Pa], >= 0."))
-		((Real,cohesionFrozen,500e3,,"Cohesion at full ice saturation [Pa], >= 0."))
-		((Real,frictionAngle,30,,"[deg], 0 to below 90 (FrictMat of YADE has radians)."))
-		((Real,dilationAngle,0,,"[deg], 0 to frictionAngle."))
-		((Real,tensileStrength,0,,"Thawed tensile strength [Pa], >= 0."))
-		((Real,tensileStrengthFrozen,200e3,,"Tensile strength at full ice saturation [Pa], >= 0."))
-		((Real,exponent,2,,"m of phi [-], >= 1."))
-		((vector<Real>,iceSaturations,,,"Ice saturations of the tables, ascending in 0..1 [-]; empty: values follow phi."))
-		((vector<Real>,youngs,,,"Young's modulus at each of iceSaturations [Pa], > 0."))
-		((vector<Real>,cohesions,,,"Cohesion at each of iceSaturations [Pa], >= 0."))
-		((vector<Real>,tensileStrengths,,,"Tensile strength at each of iceSaturations [Pa], >= 0."))
+			"saturation through phi(S_i) = 1-(1-S_i^m)^m, or through tables (iceSaturations and what goes with it), linear in between: "
+			"talik.studies.calibrate measures them on a sample. Example: MohrCoulombSkeleton(cohesion=1e3,cohesionFrozen=300e3,frictionAngle=20).",
+		TALIK_MOHR_COULOMB_SKELETON
 	);
 	// clang-format on
 };
@@ -114,8 +110,7 @@ public:
 			"stress deviator, tau the root of its second invariant (in simple shear the shear stress), in calendar time. A and n are those of iceCreep, by default "
 			"of glacier ice. Volume does not creep, ground without ice is elastic, there is no strength. Field creepStrain [-]: A tau^n over the time. Example: "
 			"CreepingSkeleton(young=500e6,iceCreep=IceCreep(rateFactor=7e-25)).",
-		((Real,young,1e9,,"Young's modulus E [Pa], > 0. Sets the time step: a softer one runs faster, and steady creep does not know it."))
-		((Real,poisson,0.3,,"Poisson's ratio of the elastic part [-], in (-1, 0.5)."))
+		TALIK_CREEPING_SKELETON
 		((shared_ptr<IceCreep>,iceCreep,shared_ptr<IceCreep>(new IceCreep),,"Rate factor over temperature, and exponent. Ground without heat has its "
 				"referenceTemperature."))
 	);
