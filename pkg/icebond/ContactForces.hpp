@@ -155,8 +155,8 @@ namespace HWY_NAMESPACE {
 	}
 
 	/// Contacts that may be bonded. edge: what moments add at the edge of the section, zero where no bond is intact, or NoMoments.
-	/// settle(condition, forces) is called if some of them reached the limit of a bond or fell below the floor
-	/// of a broken one; it puts what IceBond::settle makes of them in.
+	/// If some of them reached the limit of a bond or fell below the floor of a broken one, settle(condition, forces) is called.
+	/// It must replace their forces by the result of IceBond::settle.
 	template <class Number, class Shear, class Edge, class Settle>
 	HWY_INLINE ContactForces<Number, Shear> bondedForces(
 	        const ContactResponse<Number>& contact, const ContactFriction<Number>& friction, const Number& overlap, const Shear& shear,

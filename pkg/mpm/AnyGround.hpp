@@ -37,13 +37,13 @@ public:
 	/// nullptr if the ground is rigid. localDamping and picTime may change while the ground runs.
 	virtual MotionOfAnyDimension* motionSettings() = 0;
 
-	// ---- one step, in the order of the paper -------------------------------------------------------------------------------
+	// ---- one step: Ground::step ---------------------------------------------------------------------------------------
 	virtual void beginStep(double dt)      = 0; ///< sets the length of the step, sorts points if needed
-	virtual void p2g()                     = 0; ///< mass, momentum, internal force, enthalpy (step 1)
-	virtual void solveNodes()              = 0; ///< heat flows, temperature; nodal forces, node-implicit drag, seepage fluxes; boundaries (step 4)
-	virtual void g2p()                     = 0; ///< velocity, displacement, position, received heat and water (step 5)
-	virtual void updateStrainAndPressure() = 0; ///< strain, volume, porosity, temperature, ice saturation, pore pressure (step 2 of the next cycle)
-	virtual void updateEffectiveStress()   = 0; ///< asks the skeleton models (step 3 of the next cycle); ends the step
+	virtual void p2g()                     = 0; ///< mass, momentum, internal force, enthalpy
+	virtual void solveNodes()              = 0; ///< heat flows, temperature; nodal forces, node-implicit drag, seepage fluxes; boundaries
+	virtual void g2p()                     = 0; ///< velocity, displacement, position, received heat and water
+	virtual void updateStrainAndPressure() = 0; ///< strain, volume, porosity, temperature, ice saturation, pore pressure
+	virtual void updateEffectiveStress()   = 0; ///< asks the skeleton models; ends the step
 
 	/// Largest stable step with the present state and which limit governs it. Prints nothing, changes nothing.
 	virtual StableTimeStep stableTimeStep() const = 0;

@@ -8,9 +8,9 @@
 
 /// The parameters of a law or an effect are written once, as a list in the form of YADE's attribute macros, in the header of the model. Entries of
 /// such a list, TALIK_ELASTIC_SKELETON for instance, are ((Real, young, 10e6,, "Young's modulus E [Pa], > 0.")): type, name, default, flags, help.
-/// The model declares its members from it, TALIK_PARAMETERS(TALIK_ELASTIC_SKELETON), with the defaults; the class that a script sees its attributes
-/// with their help, YADE_CLASS_BASE_DOC_ATTRS(…, TALIK_ELASTIC_SKELETON); TALIK_TAKE(model, attributes, TALIK_ELASTIC_SKELETON) copies each.
-/// This header and the models know no YADE: Real, vector and NaN are those of a class with members from a list.
+/// In the model TALIK_PARAMETERS(list) declares members with these defaults. In the class that a script sees YADE_CLASS_BASE_DOC_ATTRS(…, list)
+/// declares attributes with this help. TALIK_TAKE(model, attributes, list) copies attributes to members.
+/// TALIK_PARAMETERS also defines Real, vector and NaN, so that no header of YADE is needed.
 // clang-format off
 #define TALIK_PARAMETERS(list) \
 	using Real = double; \

@@ -15,8 +15,8 @@ namespace talik {
 /// front nodes. With one velocity a thawed layer thinner than the reach of the shape functions moves with its frozen base.
 ///
 /// The solved velocity of a node is that of both sides together. Here each side's balance without the other gives the velocity at
-/// which it would move, eq. (20.1), and the force between the sides changes it: M_F d_F + M_T d_T = 0 are the corrections that the points of
-/// each side see. One rule holds at all front nodes, with the normal n from F to T and the area A, both from sum_F V grad S:
+/// which it would move, eq. (20.1), and the force between the sides changes it: mass times correction adds up to zero over both sides; points of
+/// each side see its correction. One rule holds at all front nodes, with the normal n from F to T and the area A of eq. (20.0):
 ///   normal:     the sides share their normal velocity unless the thawed points would have to carry more tension than they do; thawed ground that
 ///               lies on frozen ground and does not slide shares it always;
 ///   tangential: Coulomb friction and cohesion of the thawed ground in simple shear at the effective part of the reaction, eq. (20.2), and no

@@ -419,7 +419,7 @@ void MpmEngine::warnOfCalendar()
 
 // ---- the step --------------------------------------------------------------------------------------------------------------
 
-/// What the ground was built with and cannot change any more: silence would leave a user with another ground than the one written.
+/// Attributes of this engine that C++ or an archive has changed since the ground was built; changes by a script are refused before, in guards/attributes.py.
 void MpmEngine::checkFixed() const
 {
 	const auto& s       = ground->commonSettings();
@@ -684,15 +684,15 @@ void MpmEngine::advanceAmongBodies()
 	bodies->deliver(*scene);
 }
 
-/// One cycle of Yu & Zhao, section 2.3. The paper's steps 2 and 3 close the cycle here, with the velocities just solved.
+/// The five steps of the ground. They are steps 1, 4, 5, 2 and 3 of Yu & Zhao, section 2.3, see pkg/mpm/README.md.
 void MpmEngine::advance(double dt)
 {
 	ground->beginStep(dt);
-	ground->p2g();                     // step 1: points to grid
-	ground->solveNodes();              // step 4: nodal forces and heat flows, implicit drag, boundaries
-	ground->g2p();                     // step 5: grid to points
-	ground->updateStrainAndPressure(); // step 2: strain, pore pressure, saturations
-	ground->updateEffectiveStress();   // step 3: displacement gradient and ice saturation down, effective stress back
+	ground->p2g();                     // points to grid
+	ground->solveNodes();              // nodal forces and heat flows, implicit drag, boundaries
+	ground->g2p();                     // grid to points
+	ground->updateStrainAndPressure(); // strain, pore pressure, saturations
+	ground->updateEffectiveStress();   // displacement gradient and ice saturation down, effective stress back
 }
 
 } // namespace yade

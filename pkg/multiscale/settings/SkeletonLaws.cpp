@@ -8,13 +8,15 @@ YADE_PLUGIN((SkeletonLaw)(ElasticSkeleton)(MohrCoulombSkeleton)(CreepingSkeleton
 
 SkeletonLaw::Model<2> SkeletonLaw::build(const Places<2>&)
 {
-	throw std::invalid_argument("SkeletonLaw is only a base class: use ElasticSkeleton, MohrCoulombSkeleton, CreepingSkeleton or RveSkeleton.");
+	throw std::invalid_argument(
+	        "SkeletonLaw is only a base class: use ElasticSkeleton, MohrCoulombSkeleton, CreepingSkeleton, BinghamSkeleton or RveSkeleton.");
 }
 
 SkeletonLaw::Model<3> SkeletonLaw::build(const Places<3>&)
 {
 	throw std::invalid_argument(
-	        "MpmEngine.skeleton: " + getClassName() + " knows no ground in space: use ElasticSkeleton, MohrCoulombSkeleton or CreepingSkeleton.");
+	        "MpmEngine.skeleton: " + getClassName()
+	        + " knows no ground in space: use ElasticSkeleton, MohrCoulombSkeleton, CreepingSkeleton or BinghamSkeleton.");
 }
 
 ::boost::python::object SkeletonLaw::values(const string& name) const { throw std::invalid_argument(getClassName() + " has no measure '" + name + "'."); }

@@ -41,7 +41,7 @@ public:
 	/// MpmEngine.tolerance, > 0: a law that is asked now and then, with an error, steers that error; others make none.
 	virtual void                setTolerance(Real) {}
 	virtual talik::ErrorSquares errorSquares(const talik::SkeletonPoints&) const { return {}; }
-	/// What ranks cannot share out of a ground of this dimension, as "samples that run open", where they share out the ground itself; else empty.
+	/// Why this law cannot run with distribute='ground' in this dimension, as a phrase for the message, such as "samples that run open"; empty: it can.
 	virtual string notInBands(int) const { return {}; }
 	/// What the ranks of the job share out.
 	enum class Shared { nothing, samples, ground };

@@ -83,12 +83,14 @@ template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const t
 	return increment;
 }
 
+/// The strain of one DEM step of eq. (13.1).
 template <int Dim> double strainPerStep(const PackedParameters<Dim>& p, double timeStep, double meanRadius, double inertialNumber, double pressureFloor)
 {
 	const double pressure = std::max(-p.stress.trace() / Dim, pressureFloor);
 	return inertialNumber * timeStep / (2 * meanRadius) * std::sqrt(pressure / p.density);
 }
 
+/// The number of moving steps N of eq. (13.1).
 template <int Dim>
 long movingSteps(
         const PackedParameters<Dim>& p, double timeStep, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient,

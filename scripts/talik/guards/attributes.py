@@ -55,8 +55,8 @@ def nameAttributesInErrors(cls):
 
 @contextmanager
 def _seenByGrounds(part, names, stockSet):
-	"""What the block changes of a part of a ground: a ground that has begun was built with it, so that it is set back and refused; one that
-	was only looked at is made anew."""
+	"""Watches attributes that the block sets. If a running ground was built with one of them, the old values are restored and ValueError is
+	raised. A ground that has not begun is built again. MpmEngine::checkFixed does the same for changes that come from C++ and archives."""
 	from yade import wrapper
 
 	used = [name for name in names if _usedByRunningGround(part, name)]
