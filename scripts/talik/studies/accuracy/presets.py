@@ -43,7 +43,7 @@ rowOf = {
 	"own_sample": lambda preset: ("column collapse", {"cells": round(1.0 / preset[1])}),  # a bank of 1 m
 	"look_inside": lambda preset: ("biaxial sample", {"grains": preset[0]}),
 }
-# presets of melting_column are columns of other sizes; eleven examples compare themselves with a calculation by hand; no problem here is in space;
+# presets of melting_column are columns of other sizes; twelve examples compare themselves with a calculation by hand; no problem here is in space;
 # centrifuge_slopes varies its spacing itself
 comparedByHand = (
 	"thaw_settlement_column",
@@ -57,6 +57,7 @@ comparedByHand = (
 	"creeping_footing",
 	"road_embankment",
 	"frost_heave_column",
+	"chilled_pipeline",
 )
 withoutKnob = ("melting_column", *comparedByHand, "thaw_slump_bowl", "centrifuge_slopes")
 
