@@ -127,7 +127,7 @@ template <int D> void allWays(const Scene& scene, int steps)
 	onThreads<D>(scene, steps, 1);
 	onThreads<D>(scene, steps, 3);
 	throughCheckpoint<D>(scene, steps);
-	if (!scene.implicit) onTwoRanks<D>(scene, steps);
+	onTwoRanks<D>(scene, steps);
 	std::fflush(stdout);
 }
 

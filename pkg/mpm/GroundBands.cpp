@@ -15,7 +15,6 @@ template <int D> bool Ground<D>::inBands() const { return bool(parts_->ranks); }
 template <int D> std::string Ground<D>::Parts::refusalOfRanks() const
 {
 	if (settings.motion && settings.motion->balanceStart) return "balanceStart is one system for the whole ground: choose 'samples', or leave it out.";
-	if (implicit) return "the implicit pressure of its water is one system for the whole ground: choose 'samples', or the explicit pressure.";
 	return "";
 }
 
@@ -34,6 +33,7 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 	if (momentum) momentum->keepOnly(first, last);
 	if (heat) heat->keepOnly(first, last);
 	if (water) water->keepOnly(halo, begin, end);
+	if (implicit) implicit->keepOnly(halo);
 	if (surface) surface->nodes.keepOnly(first, last);
 	if (cells) cells->keepOnly(halo, begin, end);
 	if (bodies) bodies->keepOnly(first, last);

@@ -76,6 +76,7 @@ template <int D> void Ground<D>::Parts::locateInCells()
 		        rows.beyond = true;
 		        cells->share(rows);
 		        if (average && water) water->shareCells(rows);
+		        if (average && implicit) implicit->shareContent(rows);
 		        bBar.share(rows);
 	        });
 	if (!average) return;

@@ -129,7 +129,6 @@ template <int D> void checkSegregation(const GroundSettings<D>& s)
 	if (!s.motion->bBar) refuse("with bBar = false: what is drawn is shared out by cells; leave bBar true or segregation out");
 	if (s.water->state.massCoefficient != MassCoefficient::exact)
 		refuse("with massCoefficient = printed: excess ice needs the pressure that follows from masses; use exact or leave segregation out");
-	if (s.water->implicit) refuse("with implicit pressure, which gives no water to ice; take the explicit pressure or leave segregation out");
 	s.segregation->validate("segregation.");
 }
 
@@ -225,11 +224,6 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe()
 			        + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
-		if (b->moves() && settings.water && settings.water->implicit)
-			throw std::invalid_argument(
-			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name()
-			        + " moves, and the implicit pressure of the water knows no walls that move; take the explicit pressure, or a body of the "
-			          "scene");
 		if (b->accelerates() && settings.water)
 			throw std::invalid_argument(
 			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name()

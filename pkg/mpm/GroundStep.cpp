@@ -203,6 +203,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 		        if (front) front->shareMapped(grid, rows);
 		        if (water) rows.nodes(water->nodes);
 		        if (conducts()) heat->shareMapped(rows);
+		        if (implicit) implicit->shareLinks(rows);
 		        if (surface) rows.nodes(surface->nodes);
 	        },
 	        [](int, int, int) {},
@@ -254,7 +255,7 @@ template <int D> void Ground<D>::Parts::findFlows(const StepContext<D>& step)
 	if (water) cost.time(CostMeter::water, [&] { findNodalPressure(step); });
 	const auto pass = [&](CostMeter::Entry pays, auto&& work) {
 		const auto share = [&](SharedRows& rows) {
-			rows.beyond = water && front; // sides meet there with the force on their liquid
+			rows.beyond = water && (front || implicit); // sides meet there with the force on their liquid; cells there meet their own
 			if (water) rows.nodes(water->force);
 			if (conducts()) heat->shareConducted(rows);
 		};

@@ -154,4 +154,17 @@ inline const Scene dry { "dry" }, dryApic { "dry, apic", false, false, false, fa
         heavingComputed { "all, computed ice segregation", true, true, true, true, VelocityTransfer::flip, false, false, false, 0.0, INFINITY },
         withBall { "all, a ball, a calendar that follows the motion", true, true, true, true, VelocityTransfer::flip, true, true };
 
+inline Scene withImplicitPressure(Scene scene, const char* name)
+{
+	scene.name     = name;
+	scene.implicit = true;
+	return scene;
+}
+
+inline const Scene wetImplicit     = withImplicitPressure(wet, "water, implicit pressure"),
+                   allImplicit     = withImplicitPressure(all, "heat, water, freezing, thaw front, implicit pressure"),
+                   wallImplicit    = withImplicitPressure(withWalls, "all, two soils, a moving wall, rain, sources, implicit pressure"),
+                   heavingImplicit = withImplicitPressure(heavingComputed, "all, computed ice segregation, implicit pressure"),
+                   ballImplicit    = withImplicitPressure(withBall, "all, a ball, a calendar that follows the motion, implicit pressure");
+
 } // namespace talik

@@ -88,7 +88,8 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 
 TEST(GroundBands, OnTwoRanksGiveTheBitsOfOneRank)
 {
-	for (const Scene& scene : { dryApic, wet, all, withWalls, withBall, iceRichWet, heaving, heavingComputed })
+	for (const Scene& scene :
+	     { dryApic, wet, all, withWalls, withBall, iceRichWet, heaving, heavingComputed, wetImplicit, wallImplicit, heavingImplicit, ballImplicit })
 		expectSameBits<2>(scene, 260, { 2 }, { 1 });
 	expectSameBits<3>(all, 130, { 2 }, { 1 });
 }
@@ -104,14 +105,15 @@ TEST(GroundBands, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
 
 TEST(GroundBands, InThePlaneOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene :
-	     { dry, dryApic, warm, wet, frozen, all, allOwn, withWalls, withBall, iceRich, iceRichWet, iceRichOwn, heaving, heavingComputed })
+	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withWalls, withBall, iceRich, iceRichWet, iceRichOwn, heaving,
+	                            heavingComputed, wetImplicit, allImplicit, wallImplicit, heavingImplicit, ballImplicit })
 		expectSameBits<2>(scene, 260, { 2, 3, 4 }, { 1, 2 });
 }
 
 TEST(GroundBands, InSpaceOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene : { dry, frozen, all, withWalls, withBall, iceRichWet, heaving, heavingComputed })
+	for (const Scene& scene :
+	     { dry, frozen, all, withWalls, withBall, iceRichWet, heaving, heavingComputed, allImplicit, wallImplicit, heavingImplicit, ballImplicit })
 		expectSameBits<3>(scene, 130, { 2, 3, 4 }, { 1, 2 });
 }
 

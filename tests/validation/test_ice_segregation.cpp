@@ -219,12 +219,14 @@ double frozenSoil(const Ground<2>& ground, double spacing) { return sumOf(ground
 
 namespace {
 
-void expectConstantPotential(double spacing)
+void expectConstantPotential(double spacing, bool implicit = false)
 {
 	citing("quasi-steady heat balance");
 	Column column;
-	column.spacing = spacing;
-	Ground<2> ground(column.settings());
+	column.spacing    = spacing;
+	auto s            = column.settings();
+	s.water->implicit = implicit;
+	Ground<2> ground(s);
 	column.fill(ground);
 	ground.initialise();
 	const auto   start = ground.balance();
@@ -234,7 +236,7 @@ void expectConstantPotential(double spacing)
 	const auto end   = ground.balance();
 	char       label[64];
 	std::snprintf(label, sizeof label, ", h = %.2f m", spacing);
-	const std::string name = std::string("constant segregation potential");
+	const std::string name = std::string("constant segregation potential") + (implicit ? ", implicit pressure" : "");
 	expectScaled(name + label + ": frozen soil [m], error in h", frozenSoil(ground, spacing), exact[0], spacing, 0.5);
 	expectRelative(name + label + ": excess ice [m]", sumOf(ground, "segregatedVolume") / spacing, exact[1], 0.03);
 	expectRelative(name + label + ": water drawn over excess ice", end.waterDrawn / (iceDensity * sumOf(ground, "segregatedVolume")), 1.0, 1e-12);
@@ -245,6 +247,7 @@ void expectConstantPotential(double spacing)
 } // namespace
 
 TEST(IceSegregation, FrozenDepthAndHeaveWithAConstantSegregationPotentialFollowTheirClosedForm) { expectConstantPotential(0.1); }
+TEST(IceSegregation, FrozenDepthAndHeaveWithImplicitPressureFollowTheirClosedForm) { expectConstantPotential(0.1, true); }
 TEST(IceSegregation, FrozenDepthAndHeaveWithAConstantSegregationPotentialFollowTheirClosedFormOnFineCells_slow) { expectConstantPotential(0.05); }
 
 namespace {

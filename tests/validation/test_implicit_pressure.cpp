@@ -4,10 +4,13 @@
 #include "Report.hpp"
 #include "Scenes.hpp"
 
+#include <pkg/mpm/effects/RigidContact.hpp>
+
 #include <gtest/gtest.h>
 #include <omp.h>
 
 #include <algorithm>
+#include <numeric>
 #include <random>
 
 using namespace talik;
@@ -17,7 +20,7 @@ namespace {
 
 constexpr double porosity = 0.4, oedometer = 1e7, load = 1e4;
 
-void addStiffWater(GroundSettings<2>& s, double conductivity, double bulkModulus)
+template <int D> void addStiffWater(GroundSettings<D>& s, double conductivity, double bulkModulus)
 {
 	s.water.emplace();
 	s.water->implicit                           = true;
@@ -100,6 +103,146 @@ TEST(ImplicitPressure, MeetsTerzaghiWhereverPointsLie_slow)
 {
 	expectTerzaghi(1e-3, 2.2e9, { 0.1, 0.5 }, 3.5e-2, 0.1);
 	expectTerzaghi(1e-5, 2.2e9, { 0.1 }, 3.5e-2, 0.1);
+}
+
+namespace {
+
+/// A column of one cell by one in space, loaded on its top, drained there or sealed.
+Ground<3> columnInSpace(double conductivity, int cells, bool drained)
+{
+	GroundSettings<3> s;
+	s.gridSpacing = 1.0 / cells;
+	s.upper       = { s.gridSpacing, s.gridSpacing, 1.0 + 2.0 * s.gridSpacing };
+	s.mixture     = withoutExpansion();
+	s.motion.emplace();
+	s.motion->localDamping = drained ? 0.3 : 0.6;
+	addStiffWater(s, conductivity, 2.2e9);
+	auto skeleton          = std::make_shared<ElasticSkeleton<3>>();
+	skeleton->youngModulus = oedometer;
+	skeleton->poissonRatio = 0.0;
+	s.skeletons.push_back(skeleton);
+	for (const char* side : { "left", "right", "front", "back", "bottom" })
+		s.boundaries.push_back(std::make_shared<RollerBoundary<3>>(Region<3>::side(side)));
+	if (drained) s.boundaries.push_back(std::make_shared<DrainedBoundary<3>>(Region<3>::freeSurface()));
+	s.boundaries.push_back(std::make_shared<Traction<3>>(Region<3>::freeSurface(), load));
+	Ground<3> ground(s);
+	for (int k = 0; k < 8 * cells; ++k) {
+		PointInput<3> p;
+		p.volume   = std::pow(0.5 * s.gridSpacing, 3);
+		p.porosity = porosity;
+		p.position = { (k % 2 + 0.5) * 0.5 * s.gridSpacing, (k / 2 % 2 + 0.5) * 0.5 * s.gridSpacing, (k / 4 + 0.5) * 0.5 * s.gridSpacing };
+		ground.addPoint(p);
+	}
+	ground.initialise();
+	return ground;
+}
+
+} // namespace
+
+TEST(ImplicitPressure, MeetsTerzaghiInSpaceWithTheBulkModulusOfWater)
+{
+	citing("Terzaghi, compressible water");
+	constexpr int cells = 20;
+	for (const double conductivity : { 1e-3, 1e-4 }) {
+		const reference::Terzaghi exact { 1.0, load, oedometer, porosity / 2.2e9, conductivity / 9810.0 };
+		Ground<3>                 ground = columnInSpace(conductivity, cells, true);
+		const double              factor = conductivity > 5e-4 ? 0.1 : 0.02, t = exact.timeAt(factor);
+		marchTo(ground, t);
+		const auto p = valuesOf(ground, "pressure"), z = valuesOf(ground, "position", 2);
+		double     square = 0.0;
+		for (std::size_t k = 0; k < p.size(); ++k)
+			square += std::pow(p[k] / load - exact.pressure((std::floor(z[k] * cells) + 0.5) / cells, t) / load, 2) / p.size();
+		char name[120];
+		std::snprintf(
+		        name, sizeof name, "implicit pressure, Terzaghi in space, k = %.0e: rms of the isochrone over q, T_v = %.2f", conductivity, factor);
+		expectSmall(name, std::sqrt(square), 1e-2);
+	}
+}
+
+TEST(ImplicitPressure, UndrainedLoadIsBorneByTheWaterInSpace)
+{
+	citing("Skempton 1954");
+	Ground<3> ground = columnInSpace(1e-4, 4, false);
+	marchTo(ground, 0.2);
+	expectRelative(
+	        "implicit pressure, undrained load in space: B, M = 1e7", sumOf(ground, "pressure") / ground.points().count() / load,
+	        1.0 / (1.0 + oedometer * porosity / 2.2e9), 1e-3);
+}
+
+namespace {
+
+/// A smooth plate, which sinks at an even speed and then rests, presses a column that drains through its base.
+struct Pressed {
+	double undrained; ///< pressure in the upper half over the stress under the plate, when the plate has sunk and hardly any water has left
+	double drained;   ///< stress under the plate when the water has left, over that of the skeleton alone
+	double left;      ///< largest pressure then, over that stress
+};
+
+Pressed pressedByAPlate(bool implicit)
+{
+	constexpr int    cells = 8;
+	constexpr double h = 1.0 / cells, path = 1e-3, sinking = 0.02, young = 1e6;
+	auto             s = columnSettings(h, 1.0 + 2.0 * h);
+	standOnRollers(s);
+	s.motion.emplace();
+	s.motion->localDamping = 0.5;
+	s.bodies.emplace();
+	addStiffWater(s, 1e-3, implicit ? 2.2e9 : 2.2e7);
+	s.water->implicit = implicit;
+	s.skeletons.push_back(elasticOedometer(young));
+	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("bottom"));
+	Ground<2>    ground    = started(s, { h, 1.0 });
+	const double stiffness = ground.bodies()->stiffness();
+	RigidBody<2> plate;
+	plate.id = plate.group   = 0;
+	plate.shape              = &rigidPlane<2>();
+	plate.side               = -1;
+	plate.position[1]        = 1.0;
+	plate.axes               = { { { 0.0, 1.0 }, { -1.0, 0.0 } } };
+	ground.bodies()->bodies  = { plate };
+	const auto pressureAbove = [&] { // where the base is not felt yet
+		const auto p = cellPressures(ground, cells);
+		return std::accumulate(p.begin() + cells / 2, p.end(), 0.0) / (cells / 2);
+	};
+	/// Impulse of the plate over its width, and the integral of the pressure over time.
+	const auto press = [&](double duration) {
+		double impulse = 0.0, ofWater = 0.0;
+		for (const double end = ground.time() + duration; ground.time() < end;) {
+			RigidBody<2>& body  = ground.bodies()->bodies[0];
+			const double  dt    = std::min(ground.stableTimeStep().step, end - ground.time() + 1e-12);
+			const bool    sinks = ground.time() < sinking;
+			body.position[1]    = 1.0 - path * std::min(1.0, ground.time() / sinking);
+			body.velocity[1]    = sinks ? -path / sinking : 0.0;
+			body.impulse        = {};
+			ground.step(dt);
+			impulse += body.impulse[1] / h;
+			ofWater += dt * pressureAbove();
+		}
+		return std::make_pair(impulse, ofWater);
+	};
+	press(sinking);
+	const auto [impulse, ofWater] = press(0.1);
+	Pressed found {};
+	found.undrained = ofWater / impulse;
+	press(40.0);
+	found.drained = press(1.0).first / (young * path / (1.0 - 0.25 * h + young / stiffness));
+	found.left    = largestSize(valuesOf(ground, "pressure")) / (young * path);
+	return found;
+}
+
+} // namespace
+
+TEST(ImplicitPressure, APlateIsBorneByTheWaterFirstAndByTheGrainsWhenTheWaterHasLeft)
+{
+	for (const bool implicit : { false, true }) {
+		const std::string name = std::string("plate on a column that drains through its base, ") + (implicit ? "implicit" : "explicit") + " pressure: ";
+		const Pressed     found = pressedByAPlate(implicit);
+		citing("Skempton 1954");
+		expectRelative(name + "pressure over stress at first", found.undrained, 1.0 / (1.0 + 1e6 * porosity / (implicit ? 2.2e9 : 2.2e7)), 2e-2);
+		citing("Hooke");
+		expectRelative(name + "stress over that of the grains at last", found.drained, 1.0, 2e-2);
+		expectSmall(name + "pressure at last over stress", found.left, 1e-2);
+	}
 }
 
 TEST(ImplicitPressure, UndrainedLoadIsBorneByTheWater)

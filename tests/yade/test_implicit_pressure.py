@@ -74,13 +74,11 @@ def test_water_is_as_stiff_as_it_is_with_implicit_pressure_unless_told_otherwise
 		(dict(water=dict(pressure="semi")), "PoreWater.pressure is 'semi': choose explicit or implicit"),
 		(dict(water=dict(pressure="implicit", massCoefficient="printed")), "massCoefficient"),
 		(dict(water=dict(pressure="implicit"), bBar=False), "bBar"),
-		(dict(water=dict(pressure="implicit"), wall=True), "moves"),
 	],
-	ids=["name", "printed", "bBar", "wall"],
+	ids=["name", "printed", "bBar"],
 )
 def test_what_implicit_pressure_does_not_serve_is_refused_with_a_remedy(settings, words):
-	walls = [wrapper.MovingBoundary(region="right", speed=1e-3)] if settings.get("wall") else []
-	mpm = slope(walls, **settings["water"])
+	mpm = slope(**settings["water"])
 	mpm.bBar = settings.get("bBar", True)
 	with pytest.raises((ValueError, RuntimeError), match=words):
 		O.step()

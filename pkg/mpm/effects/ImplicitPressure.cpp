@@ -16,7 +16,6 @@ namespace {
 	constexpr double unseenShare = 0.25;
 	/// A cell is filled at least so far where the way of water to its surface is concerned [-].
 	constexpr double leastFill = 0.1;
-	constexpr int    piece     = 512;
 } // namespace
 
 template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid)
@@ -30,7 +29,7 @@ template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid)
 		faces.reset(n);
 	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &diagonal_ })
 		values->reset(n);
-	for (auto* field : { &solid_, &liquid_, &force_, &moved_, &movedLiquid_ })
+	for (auto* field : { &solid_, &liquid_, &force_, &moved_ })
 		field->allocate(grid.nodeCount());
 	carried_.reset(grid.nodeCount());
 	open_.assign(grid.nodeCount(), Vec<D> {});
@@ -247,7 +246,7 @@ void ImplicitPressure<D>::beginFlow(
         const StepContext<D>& step, const CellMeans<D>& cells, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
 {
 	const Grid<D>&     grid   = step.grid;
-	const ActiveRange& range  = step.owned;
+	const ActiveRange& range  = step.halo;
 	const double       dt     = step.dt;
 	const double       lowest = water.settings->state.cavitationPressure;
 	range.overCells([&](int first, int last) {
@@ -275,7 +274,7 @@ void ImplicitPressure<D>::beginFlow(
 	findCarried(range, motion, dt);
 	findFaces(grid, range);
 	exposed_.clear();
-	for (int c = range.firstCell; c < range.lastCell; ++c) {
+	for (int c = step.owned.firstCell; c < step.owned.lastCell; ++c) {
 		if (cells_[c].state == none) continue;
 		bool bare = false;
 		for (int a = 0; a < D; ++a) {
@@ -291,7 +290,7 @@ template <int D>
 void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water)
 {
 	const Grid<D>&     grid  = step.grid;
-	const ActiveRange& range = step.owned;
+	const ActiveRange& range = step.halo;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		const double area = lengthOf<D>(n.area);
 		for (int a = 0; a < D && area > 0.0; ++a)
@@ -405,41 +404,51 @@ template <int D> double ImplicitPressure<D>::unseen(const Grid<D>& grid, int c, 
 	return unseen_ * sum;
 }
 
-template <int D>
-void ImplicitPressure<D>::apply(const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, double dt, const double* x, double* y)
+template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y)
 {
-	forces(range, x, moved_);
-	momentum.foldForces(range, moved_);
-	range.overNodes([&](int, int first, int last) {
+	const Grid<D>& grid = step.grid;
+	const double   dt   = step.dt;
+	forces(step.halo, x, moved_);
+	momentum.foldForces(step.halo, moved_);
+	step.halo.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a)
 				moved_[i][a] *= solid_[i][a];
 	});
-	momentum.unfoldChanges(range, moved_);
-	range.overCells([&](int first, int last) {
+	momentum.unfoldChanges(step.halo, moved_);
+	step.owned.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c)
 			y[c] = cells_[c].state == none ? 0.0
 			                               : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + seepage(grid, c, x)) + unseen(grid, c, x);
 	});
 }
 
-template <int D>
-void ImplicitPressure<D>::findResiduals(
-        const Grid<D>& grid, const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity, double dt)
+/// Values of cells that each rank has for those that its points touch become known as far as forces and flows of these reach.
+template <int D> void ImplicitPressure<D>::share(const StepContext<D>& step, PagedArray<double>& values) const
 {
-	range.overNodes([&](int, int first, int last) {
+	if (!step.bands) return;
+	step.bands->shared().beyond = true;
+	step.bands->shared().cells(values.data());
+	step.bands->complete();
+}
+
+template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
+{
+	const Grid<D>& grid = step.grid;
+	const double   dt   = step.dt;
+	step.halo.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			std::copy_n(motion.solved[i] + motion.velocityAt, D, moved_[i]);
 	});
-	range.overCells([&](int first, int last) {
+	step.halo.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c)
+			change_[c] = cells_[c].state == none ? 0.0 : cells_[c].base - cells_[c].pressure;
+	});
+	step.owned.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
-			Cell& cell  = cells_[c];
-			change_[c]  = cell.base - cell.pressure;
-			initial_[c] = 0.0;
-			if (cell.state == none) {
-				change_[c] = 0.0;
-				continue;
-			}
+			const Cell& cell = cells_[c];
+			initial_[c]      = 0.0;
+			if (cell.state == none) continue;
 			double fed = 0.0;
 			for (int k = 0; k < corners; ++k) {
 				const int    node = baseNodes_[c] + nodeOffset_[k];
@@ -483,41 +492,69 @@ template <int D> void ImplicitPressure<D>::findDiagonal(const Grid<D>& grid, con
 	});
 }
 
-template <int D> template <class Value> double ImplicitPressure<D>::sum(const ActiveRange& range, Value&& value)
+/// Sums by strips of the points, as the accounts of a step have them: so they have one order for any number of threads and ranks.
+template <int D> template <class Work> double ImplicitPressure<D>::sumOfStrips(const StepContext<D>& step, Work&& ofStrip)
 {
-	partial_.assign((range.lastCell - range.firstCell + piece - 1) / piece, 0.0);
-	range.overCells([&](int first, int last) {
-		double part = 0.0;
-		for (int c = first; c < last; ++c)
-			if (cells_[c].state == wet) part += value(c);
-		partial_[(first - range.firstCell) / piece] = part;
+	const Strips& strips = step.strips;
+	partial_.assign(strips.count(), 0.0);
+	ThreadTeam::run(strips.end() - strips.begin(), strips.parallel ? ThreadTeam::threads() : 1, [&](int k, int) {
+		partial_[strips.begin() + k] = ofStrip(strips.begin() + k);
 	});
+	if (step.bands) step.bands->shareByStrip(partial_.data());
 	return std::accumulate(partial_.begin(), partial_.end(), 0.0);
 }
 
-/// Conjugate gradients, preconditioned by the diagonal, from the change that stands.
-template <int D> void ImplicitPressure<D>::iterate(const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, double dt)
+/// Over the cells that hold water.
+template <int D> template <class Value> double ImplicitPressure<D>::sum(const StepContext<D>& step, Value&& value)
 {
-	apply(grid, range, momentum, dt, change_.data(), image_.data());
+	const int cells = Strips::rows * cellsOfRow_;
+	return sumOfStrips(step, [&](int strip) {
+		double part = 0.0;
+		for (int c = std::max(step.owned.firstCell, strip * cells); c < std::min(step.owned.lastCell, (strip + 1) * cells); ++c)
+			if (cells_[c].state == wet) part += value(c);
+		return part;
+	});
+}
+
+/// Over the nodes; a strip has the four rows in its middle and before its end.
+template <int D> template <class Value> double ImplicitPressure<D>::sumOfNodes(const StepContext<D>& step, Value&& value)
+{
+	const int nodesOfRow = step.grid.nodeStride(step.grid.slowAxis()), last = step.strips.count() - 1;
+	return sumOfStrips(step, [&](int strip) {
+		const int from = strip == 0 ? 0 : Strips::rows * strip + 1,
+		          to   = strip == last ? step.grid.nodes(step.grid.slowAxis()) : Strips::rows * (strip + 1) + 1;
+		double part    = 0.0;
+		for (int i = std::max(step.owned.firstNode, from * nodesOfRow); i < std::min(step.owned.lastNode, to * nodesOfRow); ++i)
+			part += value(i);
+		return part;
+	});
+}
+
+/// Conjugate gradients, preconditioned by the diagonal, from the change that stands.
+template <int D> void ImplicitPressure<D>::iterate(const StepContext<D>& step, const MomentumSolver<D>& momentum)
+{
+	const ActiveRange& range = step.owned;
+	apply(step, momentum, change_.data(), image_.data());
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
 			residual_[c]  = initial_[c] - image_[c];
 			direction_[c] = cells_[c].state == wet ? residual_[c] / diagonal_[c] : 0.0;
 		}
 	});
-	double       norm  = sum(range, [&](int c) { return residual_[c] * residual_[c] / diagonal_[c]; });
-	const double stand = sum(range, [&](int c) { return diagonal_[c] * cells_[c].base * cells_[c].base; });
+	double       norm  = sum(step, [&](int c) { return residual_[c] * residual_[c] / diagonal_[c]; });
+	const double stand = sum(step, [&](int c) { return diagonal_[c] * cells_[c].base * cells_[c].base; });
 	const double goal  = std::max(relativeResidual * relativeResidual * norm, smallestResidual * smallestResidual * stand);
 	for (int k = 0; k < mostIterations && norm > goal; ++k, ++iterations_) {
-		apply(grid, range, momentum, dt, direction_.data(), image_.data());
-		const double step = norm / sum(range, [&](int c) { return direction_[c] * image_[c]; });
+		share(step, direction_);
+		apply(step, momentum, direction_.data(), image_.data());
+		const double way = norm / sum(step, [&](int c) { return direction_[c] * image_[c]; });
 		range.overCells([&](int first, int last) {
 			for (int c = first; c < last; ++c) {
-				if (cells_[c].state == wet) change_[c] += step * direction_[c];
-				residual_[c] -= step * image_[c];
+				if (cells_[c].state == wet) change_[c] += way * direction_[c];
+				residual_[c] -= way * image_[c];
 			}
 		});
-		const double next = sum(range, [&](int c) { return residual_[c] * residual_[c] / diagonal_[c]; });
+		const double next = sum(step, [&](int c) { return residual_[c] * residual_[c] / diagonal_[c]; });
 		range.overCells([&](int first, int last) {
 			for (int c = first; c < last; ++c)
 				direction_[c] = cells_[c].state == wet ? residual_[c] / diagonal_[c] + next / norm * direction_[c] : 0.0;
@@ -527,9 +564,10 @@ template <int D> void ImplicitPressure<D>::iterate(const Grid<D>& grid, const Ac
 }
 
 /// Cells whose water would be torn leave a gap, and gaps that would be overfilled close.
-template <int D> bool ImplicitPressure<D>::changeStates(const ActiveRange& range)
+template <int D> bool ImplicitPressure<D>::changeStates(const StepContext<D>& step)
 {
-	bool changed = false;
+	const ActiveRange& range   = step.owned;
+	bool               changed = false;
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
 		Cell& cell = cells_[c];
 		if (cell.state == wet && cell.pressure + change_[c] < cell.lowest) {
@@ -541,7 +579,7 @@ template <int D> bool ImplicitPressure<D>::changeStates(const ActiveRange& range
 			changed    = true;
 		}
 	}
-	return changed;
+	return step.onAnyRank(changed);
 }
 
 template <int D> void ImplicitPressure<D>::findMoved(const Grid<D>& grid, const ActiveRange& range, double dt)
@@ -569,38 +607,40 @@ template <int D> void ImplicitPressure<D>::findMoved(const Grid<D>& grid, const 
 }
 
 template <int D>
-void ImplicitPressure<D>::solve(
-        const StepContext<D>& step, const MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity)
+void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity)
 {
-	const Grid<D>&     grid  = step.grid;
-	const ActiveRange& range = step.owned;
-	const double       dt    = step.dt;
-	momentum.findResponse(range, motion, water, dt, solid_, liquid_);
-	double mass = 0.0, volume = 0.0;
-	for (int i = range.firstNode; i < range.lastNode; ++i) {
-		mass += motion.nodes[i][motion.massAt] + water.nodes[i][PoreWater<D>::massAt];
-		volume += water.nodes[i][PoreWater<D>::volumeAt];
-	}
-	unseen_ = volume > 0.0 ? unseenShare * dt * dt * cellVolume_ / (spacing_ * spacing_ * mass / volume) : 0.0;
-	findResiduals(grid, range, motion, water, liquidDensity, dt);
-	findDiagonal(grid, range, dt);
+	const double dt = step.dt;
+	momentum.findResponse(step.halo, motion, water, dt, solid_, liquid_);
+	const double mass   = sumOfNodes(step, [&](int i) { return motion.nodes[i][motion.massAt] + water.nodes[i][PoreWater<D>::massAt]; });
+	const double volume = sumOfNodes(step, [&](int i) { return water.nodes[i][PoreWater<D>::volumeAt]; });
+	unseen_             = volume > 0.0 ? unseenShare * dt * dt * cellVolume_ / (spacing_ * spacing_ * mass / volume) : 0.0;
+	findResiduals(step, motion, water, liquidDensity);
+	findDiagonal(step.grid, step.owned, dt);
 	iterations_ = 0;
 	for (int round = 0; round < mostRounds; ++round) {
-		iterate(grid, range, momentum, dt);
-		if (!changeStates(range)) break;
+		iterate(step, momentum);
+		const bool changed = changeStates(step);
+		share(step, change_);
+		if (!changed) break;
 	}
-	findMoved(grid, range, dt);
-	forces(range, change_.data(), force_);
-	range.overNodes([&](int, int first, int last) { std::copy(force_[first], force_[last], moved_[first]); });
-	momentum.foldForces(range, moved_);
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			for (int a = 0; a < D; ++a) {
-				movedLiquid_[i][a] = liquid_[i][a] * moved_[i][a];
-				moved_[i][a] *= solid_[i][a];
-			}
-	});
-	momentum.correct(range, motion, water, force_, moved_, movedLiquid_, dt, step.ledger);
+	findMoved(step.grid, step.halo, dt);
+	forces(step.halo, change_.data(), force_);
+	momentum.correct(step.halo, motion, water, force_, solid_, liquid_, dt, step.ledger);
+}
+
+template <int D> void ImplicitPressure<D>::keepOnly(const ActiveRange& range)
+{
+	const std::size_t first = range.firstCell, last = range.lastCell;
+	cells_.keepOnly(first, last);
+	links_.keepOnly(first * corners * D, last * corners * D);
+	liquids_.keepOnly(first * corners, last * corners);
+	for (auto& faces : faces_)
+		faces.keepOnly(first, last);
+	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &diagonal_ })
+		values->keepOnly(first, last);
+	for (auto* field : { &solid_, &liquid_, &force_, &moved_ })
+		field->keepOnly(range.firstNode, range.lastNode);
+	carried_.keepOnly(range.firstNode, range.lastNode);
 }
 
 template <int D> void ImplicitPressure<D>::bookDissipation(const StepContext<D>& step) const
@@ -648,12 +688,12 @@ template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, 
 			double* const to = water.cellExchange(c);
 			for (int a = 0; a < D; ++a) {
 				const int    s     = grid.cellStride(a);
-				const double ahead = faces_[a][c].moved, behind = c - s >= range.firstCell ? faces_[a][c - s].moved : 0.0;
+				const double ahead = faces_[a][c].moved, behind = c - s >= step.halo.firstCell ? faces_[a][c - s].moved : 0.0;
 				// both cells of a face ask for the same number, so that none is lost
 				const auto warmth = [&](int face, double moved) {
 					return !enthalpy      ? 0.0
-					        : moved > 0.0 ? givenTemperature(grid, range, face, a, 1)
-					                      : givenTemperature(grid, range, face + s, a, -1);
+					        : moved > 0.0 ? givenTemperature(grid, step.halo, face, a, 1)
+					                      : givenTemperature(grid, step.halo, face + s, a, -1);
 				};
 				if (ahead != 0.0) take(to, ahead > 0.0 ? c : c + s, -liquidDensity * ahead, warmth(c, ahead));
 				if (behind != 0.0) take(to, behind > 0.0 ? c - s : c, liquidDensity * behind, warmth(c - s, behind));

@@ -30,6 +30,15 @@ template <int D> class ImplicitPressure {
 public:
 	void allocate(const Grid<D>& grid);
 	void clear(const ActiveRange& range);
+	/// Only nodes and cells of this part are used from now on; all others are zero and take no memory.
+	void keepOnly(const ActiveRange& range);
+	/// What points add to their cells in addContent() and in map().
+	void shareContent(SharedRows& rows) { rows.cells(cells_.data()); }
+	void shareLinks(SharedRows& rows)
+	{
+		rows.cells(reinterpret_cast<std::array<double, corners * D>*>(links_.data()));
+		rows.cells(reinterpret_cast<std::array<double, corners>*>(liquids_.data()));
+	}
 	/// What points bring to their cells; call within MaterialPoints::strips().scatter. temperature may be null.
 	void addContent(
 	        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water,
@@ -42,7 +51,7 @@ public:
 	/// Faces of the surface of the ground through which water flows to a pressure outside [Pa].
 	void drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water);
 	/// Solves for the pressure, and corrects the velocities of the nodes.
-	void solve(const StepContext<D>& step, const MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity);
+	void solve(const StepContext<D>& step, MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity);
 	/// What the flow between cells loses by drag.
 	void bookDissipation(const StepContext<D>& step) const;
 	/// Adds what flows to the exchange of the cells.
@@ -95,19 +104,22 @@ private:
 	void forces(const ActiveRange& range, const double* x, NodeField<D>& force) const;
 	/// sum B v of a cell.
 	double divergence(int cell, const NodeField<D>& values) const;
-	void   apply(const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, double dt, const double* x, double* y);
+	/// y of the cells of this rank, from x of those around them, too.
+	void   apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y);
+	void   share(const StepContext<D>& step, PagedArray<double>& values) const;
 	double seepage(const Grid<D>& grid, int cell, const double* x) const;
 	double unseen(const Grid<D>& grid, int cell, const double* x) const;
 	double hourglass(const Grid<D>& grid, int cell, int a, int b, const double* x) const;
-	void   findResiduals(const Grid<D>& grid, const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity, double dt);
+	void   findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
 	void   findDiagonal(const Grid<D>& grid, const ActiveRange& range, double dt);
 	/// Temperature of the water that a cell gives to the next one along an axis (step 1) or to the one before (-1): second order where it changes
 	/// evenly, and never beyond both cells [degC].
-	double givenTemperature(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int step) const;
-	/// Sum over the cells in an order of its own.
-	template <class Value> double sum(const ActiveRange& range, Value&& value);
-	void                          iterate(const Grid<D>& grid, const ActiveRange& range, const MomentumSolver<D>& momentum, double dt);
-	bool                          changeStates(const ActiveRange& range);
+	double                        givenTemperature(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int step) const;
+	template <class Work> double  sumOfStrips(const StepContext<D>& step, Work&& ofStrip);
+	template <class Value> double sum(const StepContext<D>& step, Value&& value);
+	template <class Value> double sumOfNodes(const StepContext<D>& step, Value&& value);
+	void                          iterate(const StepContext<D>& step, const MomentumSolver<D>& momentum);
+	bool                          changeStates(const StepContext<D>& step);
 	void                          findMoved(const Grid<D>& grid, const ActiveRange& range, double dt);
 
 	PagedArray<Cell>                 cells_;
@@ -122,7 +134,7 @@ private:
 	std::array<int, corners / 4>     rowOffset_ {};
 	int                              cellsOfRow_ = 1;
 	PagedArray<double>               change_, residual_, initial_, direction_, image_, diagonal_;
-	NodeField<D>                     solid_, liquid_, force_, moved_, movedLiquid_;
+	NodeField<D>                     solid_, liquid_, force_, moved_;
 	PagedArray<double>               carried_; ///< part of the weight of a node that stress carries [-]
 	std::vector<Vec<D>>              open_;    ///< direction in which water may leave at a node; the faces of a slope then have its area
 	std::vector<int>                 exposed_; ///< cells with a face without ground behind it

@@ -605,15 +605,19 @@ void MomentumSolver<D>::findResponse(
 	}
 }
 
-template <int D> void MomentumSolver<D>::foldForces(const ActiveRange& range, NodeField<D>& force) const
+template <int D> void MomentumSolver<D>::foldForces(const ActiveRange& range, NodeField<D>& force, const std::function<void(const Mirror&)>& beforeMoving) const
 {
-	for (const auto& m : mirrors_) {
+	for (const Mirror& m : mirrors_) {
 		if (!range.holds(m.inner)) continue;
+		if (beforeMoving && m.moving >= 0) beforeMoving(m);
 		for (int a = 0; a < D; ++a) {
 			force[m.inner][a] += m.sign[a] * force[m.ghost][a];
 			force[m.ghost][a] = 0.0;
 		}
 	}
+	for (const Mirror& m : mirrors_)
+		for (int a = 0; a < D && m.lead != 0.0 && range.holds(m.inner); ++a)
+			if (m.sign[a] < 0.0) force[m.inner][a] -= m.lead * force[m.wall()][a];
 }
 
 template <int D> void MomentumSolver<D>::clearGhosts(const ActiveRange& range, NodeField<D>& values) const
@@ -633,6 +637,14 @@ template <int D> void MomentumSolver<D>::holdWalls(const ActiveRange& range, Nod
 
 template <int D> void MomentumSolver<D>::unfoldChanges(const ActiveRange& range, NodeField<D>& change) const
 {
+	for (const auto& m : mirrors_)
+		for (int a = 0; a < D && m.lead != 0.0 && range.holds(m.inner); ++a)
+			if (m.sign[a] < 0.0) change[m.wall()][a] = -m.lead * change[m.inner][a];
+	unfoldMirrors(range, change);
+}
+
+template <int D> void MomentumSolver<D>::unfoldMirrors(const ActiveRange& range, NodeField<D>& change) const
+{
 	for (int k = int(mirrors_.size()) - 1; k >= 0; --k) {
 		const auto& m = mirrors_[k];
 		if (!range.holds(m.inner)) continue;
@@ -641,14 +653,43 @@ template <int D> void MomentumSolver<D>::unfoldChanges(const ActiveRange& range,
 	}
 }
 
+/// The account of work of moving walls takes the forces of folded_ and those of the solid's nodes on walls.
+template <int D> void MomentumSolver<D>::foldMore(const ActiveRange& range, SolidMotion<D>& motion, NodeField<D>& force)
+{
+	std::size_t next = 0;
+	foldForces(range, force, [&](const Mirror& m) {
+		for (int a = 0; a < D; ++a)
+			folded_[next].force[a] += force[m.ghost][a];
+		++next;
+	});
+	for (Folded& f : folded_)
+		for (int a = 0; a < D; ++a)
+			if (const Mirror& m = mirrors_[f.mirror]; m.sign[a] < 0.0) f.pushed[a] -= m.lead * force[m.wall()][a];
+	for (const auto& c : constraints_.carried())
+		if (range.holds(c.node)) motion.nodes[c.node][motion.forceAt + c.axis] += force[c.node][c.axis];
+}
+
 template <int D>
 void MomentumSolver<D>::correct(
-        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, const NodeField<D>& force, NodeField<D>& solid, NodeField<D>& liquid, double dt,
-        StepLedger<D>& ledger) const
+        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, NodeField<D>& force, NodeField<D>& solid, NodeField<D>& liquid, double dt,
+        StepLedger<D>& ledger)
 {
 	using W = PoreWater<D>;
+	for (const int i : wallNodes_)
+		for (int a = 0; a < D && range.holds(i); ++a)
+			ledger.ofNode(i).impulse[a] -= dt * force[i][a];
+	foldMore(range, motion, force);
+	range.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i)
+			for (int a = 0; a < D; ++a) {
+				liquid[i][a] *= force[i][a];
+				solid[i][a] *= force[i][a];
+			}
+	});
 	unfoldChanges(range, solid);
-	unfoldChanges(range, liquid);
+	for (const auto& c : constraints_.carried())
+		if (range.holds(c.node) && constraints_.liquidTied(c.node, c.axis)) liquid[c.node][c.axis] = solid[c.node][c.axis];
+	unfoldMirrors(range, liquid);
 	for (std::size_t k = 0; k < mirrors_.size(); ++k) {
 		const int ghost = mirrors_[k].ghost;
 		if (foldLiquid_[k] || !range.holds(mirrors_[k].inner)) continue;
@@ -668,11 +709,6 @@ void MomentumSolver<D>::correct(
 			}
 		}
 	});
-	for (const int i : wallNodes_) {
-		if (!range.holds(i)) continue;
-		for (int a = 0; a < D; ++a)
-			ledger.ofNode(i).impulse[a] -= dt * force[i][a];
-	}
 }
 
 template class MomentumSolver<2>;

@@ -45,6 +45,8 @@ private:
 
 /// Momentum balance of the nodes: gravity, surface loads, mechanical boundaries, damping and, with water, the implicit drag.
 template <int D> class MomentumSolver {
+	using Mirror = typename MotionConstraints<D>::Mirror;
+
 public:
 	MomentumSolver(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 
@@ -69,19 +71,21 @@ public:
 	/// [m/s/N]; 0 where walls hold them. After solve().
 	void findResponse(
 	        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& solid, NodeField<D>& liquid) const;
-	/// Forces behind walls are folded into the nodes in front of them.
-	void foldForces(const ActiveRange& range, NodeField<D>& force) const;
+	/// Forces behind walls are folded into the nodes in front of them, and those at walls that are ahead of their nodes act there, too, eq. (8.5).
+	/// beforeMoving: called before a ghost of a moving wall is folded.
+	void foldForces(const ActiveRange& range, NodeField<D>& force, const std::function<void(const Mirror&)>& beforeMoving = {}) const;
 	/// Zero where walls hold the solid, and at the ghosts behind them.
 	void holdWalls(const ActiveRange& range, NodeField<D>& values) const;
 	void clearGhosts(const ActiveRange& range, NodeField<D>& values) const;
 	/// As if addLoad() had not been called.
 	void forgetLoads() { loads_.clear(); }
-	/// The transpose of folding, for velocities.
+	/// The transpose of folding, for changes of velocities.
 	void unfoldChanges(const ActiveRange& range, NodeField<D>& change) const;
-	/// Adds what more force, before folding, changes of the solved velocities of solid and liquid (before unfolding), and books what walls hold of it.
+	/// Adds what more force changes of the solved velocities of solid and liquid, and books what walls hold of it. solid, liquid: what
+	/// findResponse() found. All three fields are used up.
 	void correct(
-	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, const NodeField<D>& force, NodeField<D>& solid, NodeField<D>& liquid,
-	        double dt, StepLedger<D>& ledger) const;
+	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, NodeField<D>& force, NodeField<D>& solid, NodeField<D>& liquid,
+	        double dt, StepLedger<D>& ledger);
 	/// Ghost nodes and their images, in the order in which they are folded.
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.
@@ -120,7 +124,10 @@ private:
 	template <bool Damped> void solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt);
 	template <bool Damped> void solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt);
 	void                        rememberFolded(int mirror, const SolidMotion<D>& motion, const PoreWater<D>* water);
-	void                        constrainDry(const ActiveRange& range, SolidMotion<D>& motion) const;
+	/// Folds more force, and remembers what moving walls bear of it.
+	void foldMore(const ActiveRange& range, SolidMotion<D>& motion, NodeField<D>& force);
+	void unfoldMirrors(const ActiveRange& range, NodeField<D>& change) const;
+	void constrainDry(const ActiveRange& range, SolidMotion<D>& motion) const;
 	/// What a wall that has left its nodes by a part of a cell gives to the nodes in front of it.
 	void pushAhead(SolidMotion<D>& motion, PoreWater<D>* water, double dt);
 	/// Gives nodes on moving walls their velocity.

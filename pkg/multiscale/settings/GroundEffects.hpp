@@ -85,7 +85,7 @@ public:
 				"at which pressure comes to rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
 		((string,pressure,"explicit",,"How the pressure follows: explicit, from step to step, so that the stiffness of water limits the step; implicit, for all "
 				"cells at once at the end of the step: the step is that of the skeleton, with water as stiff as it is, and pressure does not alternate from cell to cell. "
-				"implicit needs bBar, and refuses MovingBoundary, segregation and distribute='ground'."))
+				"implicit needs bBar."))
 		((Real,bulkModulus,NaN,,"Bulk modulus of water K_w [Pa], > 0. Real water has 2.2e9. NaN: 2.2e9 with implicit pressure; with explicit pressure 2.2e7, a "
 				"hundredth, which allows larger time steps and lowers Skempton's B, see MpmEngine.skemptonB."))
 		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times that of water."))
