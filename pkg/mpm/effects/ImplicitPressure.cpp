@@ -14,7 +14,7 @@ namespace {
 	constexpr int    mostIterations = 500, mostRounds = 4;
 	/// Of what the inertia of the ground lets a cell give way in a step, the share that alternating pressures store.
 	constexpr double unseenShare = 0.25;
-	/// A cell is filled at least so far where the way of water to its surface is concerned [-].
+	/// The way of water through a cell is as long at least as in one that is filled so far [-].
 	constexpr double leastFill = 0.1;
 } // namespace
 
@@ -99,8 +99,10 @@ void ImplicitPressure<D>::addContent(
 		c.pressure += volume[p] * water.pressure[p];
 		c.height += mass * up;
 		c.warmth += temperature ? mass * temperature[p] : 0.0;
-		for (int a = 0; a < D; ++a)
+		for (int a = 0; a < D; ++a) {
 			c.carried[a] += mass * water.velocity[a][p];
+			c.middle[a] += volume[p] * points.position(a)[p];
+		}
 	});
 }
 
@@ -224,6 +226,32 @@ template <int D> void ImplicitPressure<D>::findLayers(const Grid<D>& grid, const
 	});
 }
 
+/// Middle of the ground of a cell, when its volume is known. A cell that is filled has it in its own middle, wherever its points lie, and what is not
+/// filled can move it by no more than half of its height.
+template <int D> void ImplicitPressure<D>::findMiddle(const Grid<D>& grid, int c)
+{
+	Cell&        cell = cells_[c];
+	const double most = 0.5 * (1.0 - cell.fill);
+	for (int a = 0; a < D; ++a) {
+		const double place = (cell.middle[a] / cell.volume - grid.lower()[a]) * grid.inverseSpacing();
+		cell.middle[a]     = std::clamp(place - placeOf(grid, c, a) - 0.5, -most, most);
+	}
+}
+
+/// Part of the face of a cell on one side of an axis that its ground covers, if the section of the ground changes evenly along the axis, eq. (7.9).
+template <int D> double ImplicitPressure<D>::section(const Cell& cell, int axis, int side) const
+{
+	return std::clamp(cell.fill * (1.0 + 6.0 * side * cell.middle[axis]), 0.0, 1.0);
+}
+
+/// Part of a face of a cell behind which there is ground, or the box.
+template <int D> double ImplicitPressure<D>::coveredAt(const Grid<D>& grid, const ActiveRange& range, int c, int axis, int side) const
+{
+	const int s = grid.cellStride(axis), next = c + side * s, at = placeOf(grid, c, axis) + side;
+	if (at < 0 || at >= grid.cells(axis)) return section(cells_[c], axis, side);
+	return next < range.firstCell || next >= range.lastCell ? 0.0 : faces_[axis][std::min(c, next)].covered;
+}
+
 template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range)
 {
 	for (int a = 0; a < D; ++a)
@@ -233,12 +261,34 @@ template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const 
 				f       = {};
 				if (!hasNext(grid, range, c, a)) continue;
 				const Cell &here = cells_[c], &there = cells_[c + grid.cellStride(a)];
+				if (here.state == none || there.state == none) continue;
+				// a plane that cuts both leaves no less of their face than of the emptier one
+				f.covered = std::max({ section(here, a, 1), section(there, a, -1), std::min(here.fill, there.fill) });
 				if (!(here.mobility > 0.0 && there.mobility > 0.0)) continue;
 				const double from = wayFrom(here, there), to = wayFrom(there, here);
-				f.conductance = faceArea_ / spacing_ * std::min(here.fill, there.fill) * 2.0 * from * to / (from + to);
-				f.weight      = carriedAt(grid, c, a) * (here.height - there.height) + here.drivingExcess - there.drivingExcess;
+				const double before = 0.5 - here.middle[a], behind = 0.5 + there.middle[a],
+				             farther = std::max(1.0, leastFill / (before + behind));
+				f.conductance        = faceArea_ / spacing_ * f.covered / (farther * (before / from + behind / to));
+				f.weight             = carriedAt(grid, c, a) * (here.height - there.height) + here.drivingExcess - there.drivingExcess;
 			}
 		});
+}
+
+/// What the faces of a cell leave uncovered. The divergence theorem gives its area and, as the volume of a pyramid, its distance from the middle of
+/// the ground; both are exact where the surface is a plane.
+template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surfaceIn(const Grid<D>& grid, const ActiveRange& range, int c) const
+{
+	const Cell& cell = cells_[c];
+	Surface     s {};
+	double      pyramid = 0.0;
+	for (int a = 0; a < D; ++a) {
+		const double low = coveredAt(grid, range, c, a, -1), high = coveredAt(grid, range, c, a, 1);
+		s.area[a] = low - high;
+		pyramid += cell.fill - low * (0.5 + cell.middle[a]) - high * (0.5 - cell.middle[a]);
+	}
+	const double area = lengthOf<D>(s.area);
+	s.distance        = area > 0.0 ? pyramid / area : 0.0;
+	return s;
 }
 
 template <int D>
@@ -262,6 +312,7 @@ void ImplicitPressure<D>::beginFlow(
 			cell.layer = cell.open / (part * part);
 			cell.thawed /= liquidDensity * liquidDensity * cell.volume;
 			cell.fill = std::min(1.0, cell.volume / cellVolume_);
+			findMiddle(grid, c);
 			cell.pressure /= cell.volume;
 			cell.height /= cell.liquidMass;
 			cell.lowest        = lowest;
@@ -277,13 +328,39 @@ void ImplicitPressure<D>::beginFlow(
 	for (int c = step.owned.firstCell; c < step.owned.lastCell; ++c) {
 		if (cells_[c].state == none) continue;
 		bool bare = false;
-		for (int a = 0; a < D; ++a) {
-			const int at = placeOf(grid, c, a), s = grid.cellStride(a);
-			bare = bare || at == 0 || at + 1 == grid.cells(a) || c - s < range.firstCell || c + s >= range.lastCell || cells_[c - s].state == none
-			        || cells_[c + s].state == none;
-		}
+		for (int a = 0; a < D; ++a)
+			bare = bare || placeOf(grid, c, a) == 0 || placeOf(grid, c, a) + 1 == grid.cells(a) || coveredAt(grid, range, c, a, -1) < 1.0
+			        || coveredAt(grid, range, c, a, 1) < 1.0;
 		if (bare) exposed_.push_back(c);
 	}
+}
+
+/// Part of a surface with a normal, in or around a cell, through which water may leave: as far as nodes around the cell see open surface that faces
+/// there. A face has 2^(D-1) of them.
+template <int D> double ImplicitPressure<D>::openAt(const Grid<D>& grid, int c, const Vec<D>& outward) const
+{
+	double open = 0.0;
+	for (int k = 0; k < 1 << D; ++k) {
+		int node = baseNodes_[c];
+		for (int a = 0; a < D; ++a)
+			node += (1 + (k >> a & 1)) * grid.nodeStride(a);
+		open += std::max(0.0, dot<D>(open_[node], outward)) / (1 << (D - 1));
+	}
+	return std::min(1.0, open);
+}
+
+/// area over that of a face; distance from the middle of the ground [spacings].
+template <int D>
+void ImplicitPressure<D>::drainThrough(
+        Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges, const PoreWater<D>& water) const
+{
+	if (area == 0.0) return;
+	const double way    = spacing_ * std::max(distance, 0.5 * leastFill);
+	const double drives = cell.drivingExcess - outside + way * dot<D>(water.weight, outward);
+	if (!recharges && !(cell.base + drives > 0.0)) return;
+	const double conductance = cell.open * faceArea_ / way * area;
+	cell.drained += conductance;
+	cell.drives += conductance * drives;
 }
 
 template <int D>
@@ -300,24 +377,21 @@ void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D
 		Cell& cell = cells_[c];
 		for (int a = 0; a < D; ++a)
 			for (const int side : { -1, 1 }) {
-				const int at = placeOf(grid, c, a) + side, next = c + side * grid.cellStride(a);
-				if (at >= 0 && at < grid.cells(a) && next >= range.firstCell && next < range.lastCell && cells_[next].state != none) continue;
-				double open = 0.0;
-				for (int k = 0; k < 1 << D; ++k) {
-					if ((k >> a & 1) != (side > 0)) continue;
-					int node = baseNodes_[c];
-					for (int b = 0; b < D; ++b)
-						node += (1 + (k >> b & 1)) * grid.nodeStride(b);
-					open += std::max(0.0, side * open_[node][a]) / (1 << (D - 1));
-				}
-				if (open == 0.0) continue;
-				const double way    = 0.5 * spacing_ * std::max(cell.fill, leastFill);
-				const double drives = cell.drivingExcess - outside + side * water.weight[a] * way;
-				if (!recharges && !(cell.base + drives > 0.0)) continue;
-				const double conductance = cell.open * faceArea_ / way * open;
-				cell.drained += conductance;
-				cell.drives += conductance * drives;
+				const int at = placeOf(grid, c, a) + side;
+				if (at >= 0 && at < grid.cells(a)) continue;
+				Vec<D> outward {};
+				outward[a] = side;
+				drainThrough(
+				        cell, section(cell, a, side) * openAt(grid, c, outward), 0.5 - side * cell.middle[a], outward, outside, recharges,
+				        water);
 			}
+		const Surface surface = surfaceIn(grid, range, c);
+		const double  area    = lengthOf<D>(surface.area);
+		if (area == 0.0) continue;
+		Vec<D> outward;
+		for (int a = 0; a < D; ++a)
+			outward[a] = surface.area[a] / area;
+		drainThrough(cell, area * openAt(grid, c, outward), surface.distance, outward, outside, recharges, water);
 	}
 	for (const SurfaceNode<D>& n : patch.nodes)
 		open_[n.node] = {};

@@ -74,6 +74,7 @@ private:
 		double thawed;          ///< as open, with all ice melted
 		double part;            ///< of it that has thawed as a layer on one side, see thawedPart(); 0: none
 		double volume, mobility, fill, base, drivingExcess; ///< base: pressure from which x counts [Pa]
+		double middle[D];                                   ///< of its ground: sum V x; then from the middle of the cell, in spacings
 		double lowest;                                      ///< cavitation pressure [Pa]
 		double drained, drives; ///< conductance of its drained faces [m^D/(Pa s)], and the flow that they let out at p = 0 [m^D/s]
 		double out;             ///< volume that leaves through them in the step [m^D]
@@ -82,6 +83,7 @@ private:
 	enum State { none, wet, cavitated };
 	/// Between a cell and the next one along an axis.
 	struct Face {
+		double covered;     ///< part of it that ground covers on both sides [-]
 		double conductance; ///< [m^D/(Pa s)]
 		double weight;      ///< pressure by which gravity drives [Pa]
 		double moved;       ///< volume that flows in the step [m^D]
@@ -98,8 +100,19 @@ private:
 	double        thawedPart(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
 	void          findLayers(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water);
 	void          findCarried(const ActiveRange& range, const SolidMotion<D>& motion, double dt);
+	void          findMiddle(const Grid<D>& grid, int cell);
+	double        section(const Cell& cell, int axis, int side) const;
+	double        coveredAt(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
 	void          findFaces(const Grid<D>& grid, const ActiveRange& range);
-	double        carriedAt(const Grid<D>& grid, int cell, int axis) const;
+	/// Surface of the ground in a cell: its area vector over the area of a face, and how far it lies from the middle of the ground, in spacings.
+	struct Surface {
+		Vec<D> area;
+		double distance;
+	};
+	Surface surfaceIn(const Grid<D>& grid, const ActiveRange& range, int cell) const;
+	double  openAt(const Grid<D>& grid, int cell, const Vec<D>& outward) const;
+	void    drainThrough(Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges, const PoreWater<D>& water) const;
+	double  carriedAt(const Grid<D>& grid, int cell, int axis) const;
 	/// Force of pressures on the nodes.
 	void forces(const ActiveRange& range, const double* x, NodeField<D>& force) const;
 	/// sum B v of a cell.
