@@ -39,6 +39,7 @@ template <int D> void Ground<D>::p2g()
 	if (g.cells) g.cost.time(CostMeter::cells, [&] { g.locateInCells(); });
 	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
 	g.mapToGrid(step);
+	if (g.implicit) g.cost.time(CostMeter::water, [&] { g.findLinks(step); });
 	if (g.surface) g.cost.time(CostMeter::surface, [&] { g.collectSurfaces(step); });
 }
 
@@ -203,7 +204,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 		        if (front) front->shareMapped(grid, rows);
 		        if (water) rows.nodes(water->nodes);
 		        if (conducts()) heat->shareMapped(rows);
-		        if (implicit) implicit->shareLinks(rows);
+		        if (implicit) implicit->shareLiquids(rows);
 		        if (surface) rows.nodes(surface->nodes);
 	        },
 	        [](int, int, int) {},
@@ -222,7 +223,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 	        PassPart { bool(water), CostMeter::water,
 	                   [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells(), weight, weight ? heat->reference : 0.0); } },
 	        PassPart { conducts(), CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
-	        PassPart { bool(implicit), CostMeter::water, [&](const WeightBlock<D>& w, double*) { implicit->map(w, *cells, *points, *content); } },
+	        PassPart { bool(implicit), CostMeter::water, [&](const WeightBlock<D>& w, double*) { implicit->map(w, *cells, *content); } },
 	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { surface->map(w); } });
 }
 
@@ -233,6 +234,13 @@ template <int D> void Ground<D>::Parts::addStress(const StepContext<D>& step, co
 		effects[k]->addStress(step, inMotion, w.first, w.first + w.count);
 		sample.lap(CostMeter::ofEffect(k));
 	}
+}
+
+/// Between cells and nodes, for the implicit pressure and for loads on its ground.
+template <int D> void Ground<D>::Parts::findLinks(const StepContext<D>& step)
+{
+	implicit->findLinks(step, *cells, *shape);
+	if (surface) implicit->giveArea(step, *surface);
 }
 
 template <int D> void Ground<D>::Parts::collectSurfaces(const StepContext<D>& step)
@@ -372,7 +380,7 @@ template <int D> void Ground<D>::Parts::findImplicitPressure(const StepContext<D
 {
 	waterRests = false;
 	feedWater(step);
-	implicit->beginFlow(step, *cells, *motion, *water, liquidDensity());
+	implicit->beginFlow(step, *motion, *water, liquidDensity());
 	overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
 		implicit->drain(step, patch, boundary.pressure(step.calendarEnd), boundary.recharges(), *water);
 	});

@@ -45,6 +45,7 @@ const Place<3>& placeOf(std::integral_constant<int, 3>)
 struct Effects {
 	bool motion = true, averaging = false, plastic = false, heat = false, freezing = false, water = false;
 	bool record = false, ledger = false, surface = false;
+	bool implicit    = false; ///< pressure of all cells at once, with water as stiff as it is
 	bool segregation = false; ///< frozen ground draws water to its front
 	bool settlement  = false; ///< thaw strain and compression of soil that has thawed
 	bool oneVelocity = false; ///< no thaw front, where frozen and thawed ground meet
@@ -77,8 +78,9 @@ template <int D> GroundSettings<D> settingsOf(const Effects& e)
 	if (e.freezing) s.freezing = makeFreezingCurve("gauss");
 	if (e.water) {
 		WaterSettings w;
-		w.state.liquidBulkModulus = 2.2e7;
-		w.state.iceBulkModulus    = 8.8e7;
+		w.implicit                = e.implicit;
+		w.state.liquidBulkModulus = e.implicit ? 2.2e9 : 2.2e7;
+		w.state.iceBulkModulus    = 4.0 * w.state.liquidBulkModulus;
 		s.water                   = w;
 	}
 	if (e.segregation) s.segregation.emplace().segregationPotential = 1e-9;
@@ -286,6 +288,7 @@ std::vector<Combination> combinations()
 		{ "water", with(averaged, &E::water) },
 		{ "water, heat", with(averaged, &E::water, &E::heat) },
 		{ "water, heat, freezing", with(averaged, &E::water, &E::heat, &E::freezing), true },
+		{ "water, heat, freezing, implicit pressure", with(averaged, &E::water, &E::heat, &E::freezing, &E::implicit) },
 		{ "water, heat, freezing, ice segregation", with(averaged, &E::water, &E::heat, &E::freezing, &E::segregation) },
 		{ "water, heat, freezing, thaw settlement", with(averaged, &E::water, &E::heat, &E::freezing, &E::settlement) },
 		{ "water, heat, freezing, surface", with(averaged, &E::water, &E::heat, &E::freezing, &E::surface) },

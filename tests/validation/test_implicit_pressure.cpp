@@ -98,12 +98,9 @@ TEST(ImplicitPressure, MeetsTerzaghiToThreeTenthsOfAPercentInTighterGround_slow)
 	expectTerzaghi(1e-3, 2.2e7, { 0.5 }, 1e-2); // before, the wave of the load goes to and fro in soft water
 }
 
-// the load reaches the base to 3 %: sums over points that do not lie evenly in their cells are that far from the integral
-TEST(ImplicitPressure, MeetsTerzaghiWhereverPointsLie_slow)
-{
-	expectTerzaghi(1e-3, 2.2e9, { 0.1, 0.5 }, 3.5e-2, 0.1);
-	expectTerzaghi(1e-5, 2.2e9, { 0.1 }, 3.5e-2, 0.1);
-}
+TEST(ImplicitPressure, MeetsTerzaghiWhereverPointsLie) { expectTerzaghi(1e-3, 2.2e9, { 0.1, 0.5 }, 1e-2, 0.1); }
+
+TEST(ImplicitPressure, MeetsTerzaghiWhereverPointsLieInTighterGround_slow) { expectTerzaghi(1e-5, 2.2e9, { 0.02, 0.1 }, 3e-3, 0.1); }
 
 namespace {
 
@@ -117,9 +114,9 @@ Ground<3> columnInSpace(double conductivity, int cells, bool drained)
 	s.motion.emplace();
 	s.motion->localDamping = drained ? 0.3 : 0.6;
 	addStiffWater(s, conductivity, 2.2e9);
-	auto skeleton          = std::make_shared<ElasticSkeleton<3>>();
-	skeleton->youngModulus = oedometer;
-	skeleton->poissonRatio = 0.0;
+	auto skeleton     = std::make_shared<ElasticSkeleton<3>>();
+	skeleton->young   = oedometer;
+	skeleton->poisson = 0.0;
 	s.skeletons.push_back(skeleton);
 	for (const char* side : { "left", "right", "front", "back", "bottom" })
 		s.boundaries.push_back(std::make_shared<RollerBoundary<3>>(Region<3>::side(side)));

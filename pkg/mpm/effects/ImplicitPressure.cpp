@@ -106,29 +106,85 @@ void ImplicitPressure<D>::addContent(
 	});
 }
 
-template <int D>
-void ImplicitPressure<D>::map(const WeightBlock<D>& w, const CellMeans<D>& cells, const MaterialPoints<D>& points, const PoreContent<D>& content)
+template <int D> int ImplicitPressure<D>::cornerOf(int cell, int node) const
 {
-	const double* volume = points.volume();
+	int shift = node - baseNodes_[cell], at = 0;
+	for (const int a : byStride_)
+		while (shift >= strides_[a]) {
+			shift -= strides_[a];
+			at += step_[a];
+		}
+	return at;
+}
+
+template <int D> void ImplicitPressure<D>::map(const WeightBlock<D>& w, const CellMeans<D>& cells, const PoreContent<D>& content)
+{
 	for (int k = 0; k < w.count; ++k) {
-		const int p = w.first + k, c = cells.cell(p);
-		int       shift = w.base[k] - baseNodes_[c], at = 0;
-		for (const int a : byStride_)
-			if (shift >= strides_[a]) {
-				shift -= strides_[a];
-				at += step_[a];
-			}
-		const double  v = volume[p], mass = content.waterMass[p] - (content.iceMass ? content.iceMass[p] : 0.0);
-		double* const to     = link(c);
+		const int     p = w.first + k, c = cells.cell(p), at = cornerOf(c, w.base[k]);
+		const double  mass   = content.waterMass[p] - (content.iceMass ? content.iceMass[p] : 0.0);
 		double* const liquid = liquids_.data() + std::size_t(c) * corners;
 		int           node   = 0;
-		overNodes<D>(w, k, [&](int, double s, const Vec<D>& g) {
-			const int corner = at + within_[node++];
-			for (int a = 0; a < D; ++a)
-				to[corner * D + a] += v * g[a];
-			liquid[corner] += mass * s;
-		});
+		overNodes<D>(w, k, [&](int, double s, const Vec<D>&) { liquid[at + within_[node++]] += mass * s; });
 	}
+}
+
+template <int D> void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<D>& cells, const ShapeFunction<D>& shape)
+{
+	constexpr int  perCell = 1 << D, atOnce = blockSize / perCell;
+	const Grid<D>& grid = step.grid;
+	step.halo.overCells([&](int first, int last) {
+		double                       places[D][blockSize];
+		std::array<const double*, D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = places[a];
+		std::array<int, atOnce> of {};
+		int                     count = 0;
+		WeightBlock<D>          w;
+		const auto              link = [&] {
+                        shape.evaluate(grid, x, 0, count * perCell, w);
+                        for (int k = 0; k < count * perCell; ++k) {
+                                const int     c    = of[k / perCell];
+                                const double  part = cells_[c].volume / perCell;
+                                double* const to   = this->link(c) + cornerOf(c, w.base[k]) * D;
+                                int           node = 0;
+                                overNodes<D>(w, k, [&](int, double, const Vec<D>& g) {
+                                        for (int a = 0; a < D; ++a)
+                                                to[within_[node] * D + a] += part * g[a];
+                                        ++node;
+                                });
+                        }
+                        count = 0;
+		};
+		for (int c = first; c < last; ++c) {
+			Cell& cell  = cells_[c];
+			cell.volume = cells.cellVolume(c);
+			if (!(cell.volume > 0.0)) continue;
+			cell.fill = std::min(1.0, cell.volume / cellVolume_);
+			findMiddle(grid, c);
+			of[count] = c;
+			for (int k = 0; k < perCell; ++k)
+				for (int a = 0; a < D; ++a) {
+					const double wide = 1.0 - 2.0 * std::abs(cell.middle[a]), place = placeOf(grid, c, a) + 0.5 + cell.middle[a];
+					places[a][count * perCell + k] = grid.lower()[a] + spacing_ * (place + (k >> a & 1 ? 0.25 : -0.25) * wide);
+				}
+			if (++count == atOnce) link();
+		}
+		if (count > 0) link();
+	});
+}
+
+template <int D> void ImplicitPressure<D>::giveArea(const StepContext<D>& step, FreeSurface<D>& surface) const
+{
+	const ActiveRange& range  = step.halo;
+	const auto         mapped = [&](int node) { return range.holds(node) && surface.nodes[node][FreeSurface<D>::Record::volume] > 0.0; };
+	for (int i = range.firstNode; i < range.lastNode; ++i)
+		for (int a = 0; a < D && mapped(i); ++a)
+			surface.nodes[i][a] = 0.0;
+	for (int c = range.firstCell; c < range.lastCell; ++c)
+		for (int k = 0; k < corners && cells_[c].volume > 0.0; ++k)
+			if (const int node = baseNodes_[c] + nodeOffset_[k]; mapped(node))
+				for (int a = 0; a < D; ++a)
+					surface.nodes[node][a] += link(c)[k * D + a];
 }
 
 // ---- flow between cells ---------------------------------------------------------------------------------------------------
@@ -291,9 +347,7 @@ template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surf
 	return s;
 }
 
-template <int D>
-void ImplicitPressure<D>::beginFlow(
-        const StepContext<D>& step, const CellMeans<D>& cells, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
+template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
 {
 	const Grid<D>&     grid   = step.grid;
 	const ActiveRange& range  = step.halo;
@@ -304,15 +358,12 @@ void ImplicitPressure<D>::beginFlow(
 			Cell& cell = cells_[c];
 			if (!(cell.liquidMass > 0.0 && cell.compliance > 0.0)) continue;
 			const double liquid = cell.liquidMass / liquidDensity;
-			cell.volume         = cells.cellVolume(c);
 			cell.mobility       = liquid * liquid / (cell.volume * cell.drag);
 			// the part of the cell that is open, as if it were open evenly and the rest closed
 			const double part = cell.open * cell.open / (cell.volume * cell.opensWell);
 			cell.open /= liquidDensity * liquidDensity * cell.volume;
 			cell.layer = cell.open / (part * part);
 			cell.thawed /= liquidDensity * liquidDensity * cell.volume;
-			cell.fill = std::min(1.0, cell.volume / cellVolume_);
-			findMiddle(grid, c);
 			cell.pressure /= cell.volume;
 			cell.height /= cell.liquidMass;
 			cell.lowest        = lowest;

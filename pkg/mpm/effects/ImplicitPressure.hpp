@@ -34,20 +34,21 @@ public:
 	void keepOnly(const ActiveRange& range);
 	/// What points add to their cells in addContent() and in map().
 	void shareContent(SharedRows& rows) { rows.cells(cells_.data()); }
-	void shareLinks(SharedRows& rows)
-	{
-		rows.cells(reinterpret_cast<std::array<double, corners * D>*>(links_.data()));
-		rows.cells(reinterpret_cast<std::array<double, corners>*>(liquids_.data()));
-	}
+	void shareLiquids(SharedRows& rows) { rows.cells(reinterpret_cast<std::array<double, corners>*>(liquids_.data())); }
 	/// What points bring to their cells; call within MaterialPoints::strips().scatter. temperature may be null.
 	void addContent(
 	        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water,
 	        const SolidMotion<D>& motion, const double* temperature, int first, int last);
-	/// The divergence of each cell by its nodes, and the liquid that they share.
-	void map(const WeightBlock<D>& w, const CellMeans<D>& cells, const MaterialPoints<D>& points, const PoreContent<D>& content);
+	/// The liquid that the nodes share.
+	void map(const WeightBlock<D>& w, const CellMeans<D>& cells, const PoreContent<D>& content);
+	/// The divergence of each cell by its nodes: not that of its points, whose sums are as far from the integral as they do not lie evenly, but of 2^D
+	/// points of equal volume that lie evenly about the middle of its ground. Forces of one pressure then add up to nothing within the ground.
+	void findLinks(const StepContext<D>& step, const CellMeans<D>& cells, const ShapeFunction<D>& shape);
+	/// Area of the surface as the pressure sees it, in place of that of the points.
+	void giveArea(const StepContext<D>& step, FreeSurface<D>& surface) const;
 
 	/// Means of the cells and conductances between them, when nodes are solved.
-	void beginFlow(const StepContext<D>& step, const CellMeans<D>& cells, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
+	void beginFlow(const StepContext<D>& step, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
 	/// Faces of the surface of the ground through which water flows to a pressure outside [Pa].
 	void drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water);
 	/// Solves for the pressure, and corrects the velocities of the nodes.
@@ -95,6 +96,8 @@ private:
 	{
 		return placeOf(grid, cell, axis) + 1 < grid.cells(axis) && cell + grid.cellStride(axis) < range.lastCell;
 	}
+	/// Place of a node among the corners of a cell.
+	int           cornerOf(int cell, int node) const;
 	static double wayFrom(const Cell& cell, const Cell& neighbour);
 	int           wetCell(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int by) const;
 	double        thawedPart(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
