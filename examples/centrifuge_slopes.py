@@ -8,7 +8,9 @@ of frost and thaw at 12 degrees and by 651 mm at 18; at 24 degrees the slope fai
 excess ice that has melted does not form again by itself, so the next cycle begins with a frozen layer of the shape that the last one left, which has
 heaved normal to the slope to the volume of the first. What the paper's abstract, or another one of the same laboratory, says of the soil is marked as such in
 `Assumptions`; the rest is assumed, and --vary shows what each assumption does. --skeleton samples puts a sample of discs behind every point in place of
-the law, with its cohesion and about its friction, and the law beside them. Runs that the folder already holds are not repeated.
+the law, with its cohesion and about its friction, and the law beside them. --assume segregation=1e-9 takes the excess ice of each row of cells
+from a column that freezes from its surface with that segregation potential SP_0 [m^2/(s K)] and as much water as it draws, in place of one thaw
+strain for all. Runs that the folder already holds are not repeated.
 Change the conductivity, the thaw strain or the cohesion first.
 Friction and conductivity are such that the slope of 18 degrees is about as safe in its thaw as the paper says.
 """
@@ -33,6 +35,7 @@ longest = 60.0  # [s of motion]
 gravity, solid, water = 9.81, 2650.0, 1000.0
 solidConductivity, waterConductivity = 2.0, 0.6  # thermal [W/(m K)]
 iceDensity, latentHeat = 910.0, 334e3  # [kg/m^3], [J/kg]
+frostTemperature, pressureDecay = -5.0, 8e-6  # of the surface in a frost [degC], of SP = SP_0 exp(-a P) [1/Pa]: assumed, with `segregation`
 colours = ("C0", "C1", "C3")  # of the slopes
 
 
@@ -47,6 +50,7 @@ class Assumptions:
 	safetyAt18: float = 1.0  # of the infinite slope of 18 degrees in its thaw; close to 1 or slightly less (the paper): gives the friction angle
 	conductivity: float = 2e-7  # [m/s], assumed; with less the upper part of the slope of 18 degrees is less safe than the paper says, see `excess`
 	thawStrain: float = 0.1  # excess ice [-], assumed
+	segregation: float = 0.0  # SP_0 [m^2/(s K)] that gives the excess ice, with water at the base; silts have 1e-10 to 4e-9; 0: thawStrain
 	porosity: float = 0.45  # assumed
 	young: float = 2e6  # of thawed ground [Pa], assumed
 	surfaceTemperature: float = 10.0  # during the thaw [degC], assumed
@@ -93,6 +97,7 @@ class Assumptions:
 variations = {
 	"conductivity": (1.4e-7, 3e-7),
 	"thawStrain": (0.05, 0.15),
+	"segregation": (5e-10, 1e-9, 2e-9),
 	"cohesion": (400.0, 1200.0, 2000.0),
 	"safetyAt18": (0.9, 0.95, 1.1),
 	"young": (1e6, 5e6),
@@ -104,7 +109,16 @@ variations = {
 	"frontVelocities": (2.0,),
 	"gridSpacing": (0.2, 0.2 / 3),
 }
-units = {"motionTolerance": "m/s", "conductivity": "m/s", "cohesion": "Pa", "young": "Pa", "surfaceTemperature": "°C", "length": "m", "gridSpacing": "m"}
+units = {
+	"motionTolerance": "m/s",
+	"conductivity": "m/s",
+	"segregation": "m²/(s K)",
+	"cohesion": "Pa",
+	"young": "Pa",
+	"surfaceTemperature": "°C",
+	"length": "m",
+	"gridSpacing": "m",
+}
 
 
 @dataclass(frozen=True)
@@ -115,6 +129,51 @@ class Grains:
 	porosity: float = 0.16
 	etaRoll: float = 0.2
 	realisations: int = 4
+
+
+@functools.lru_cache(maxsize=None)
+def iceOf(potential, thickness, porosity, conductivity, h, slope=18):
+	"""Excess ice over the volume of frozen ground [-] of the rows of cells of a layer that freezes from its surface, from its base up. Water comes from the
+	base, at the pressure of a water table at the surface."""
+	O.reset()
+	down = gravity * math.cos(math.radians(slope))
+	mpm = MpmEngine(
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(h, 1.5 * thickness),
+		gravity=(0, -down),
+		damping=0.3,
+		material=GroundMaterial(name="silt", solidConductivity=solidConductivity),
+		heat=HeatTransfer(thermalTimeScale=min(1e6, 0.04 / conductivity)),
+		freezing=FreezingCurve(width=0.3),
+		water=PoreWater(conductivity=conductivity, referencePorosity=porosity, cavitationPressure=-1e5),
+		segregation=IceSegregation(segregationPotential=potential, pressureDecay=pressureDecay),
+		skeleton=MohrCoulombSkeleton(young=1e7, youngFrozen=2e7, frictionAngle=30, cohesion=0, cohesionFrozen=5e5),
+		boundaries=[
+			*(RollerBoundary(region=side) for side in ("left", "right", "bottom")),
+			DrainedBoundary(region="bottom", pressure=water * down * thickness),
+			SurfaceTemperature(region="surface", days=[0, 1], values=[1, frostTemperature]),
+		],
+	)
+	column = dict(polygon=talik.geometry.rectangle(0, 0, h, thickness), porosity=porosity, temperature=1, pressure=lambda x, y: water * down * (thickness - y))
+	talik.layers.fill(mpm, {"silt": column}, lateralRatio=0.5)
+	O.engines = [mpm]
+	O.step()
+	row = np.minimum(mpm.field("position")[:, 1] // h, round(thickness / h) - 1).astype(int)
+	while mpm.field("iceSaturation").min() < 0.9:
+		talik.runUntilDay(mpm, mpm.calendar["day"] + 1)
+		if mpm.calendar["day"] > 365:
+			raise SystemExit(f"a layer of {thickness:g} m does not freeze within a year at {frostTemperature:g} degC: take less segregation or thickness")
+	return tuple(np.bincount(row, mpm.field("segregatedVolume")) / np.bincount(row, mpm.field("volume")))
+
+
+def rowsOf(ground):
+	return iceOf(ground.segregation, ground.thickness, ground.porosity, ground.conductivity, ground.gridSpacing)
+
+
+def withIce(ground):
+	"""The same ground with the mean of its segregated ice as thaw strain, from which its factor of safety and friction follow."""
+	return replace(ground, thawStrain=float(np.mean(rowsOf(ground)))) if ground.segregation else ground
 
 
 @functools.lru_cache(maxsize=1)
@@ -185,6 +244,20 @@ def skeletonOf(ground, grains):
 	)
 
 
+def layersOf(layer, ground, profile):
+	"""One layer, or as many as rows of segregated ice, each with its own thaw strain."""
+	if not ground.segregation:
+		return {"silt": layer}
+	places, heights = np.array(profile)
+	rows, layers = rowsOf(ground), {}
+	for k, ice in enumerate(rows):
+		below, above = heights * k / len(rows), heights * (k + 1) / len(rows)
+		outline = [*zip(places, below), *zip(places[::-1], above[::-1])]
+		material = GroundMaterial(name=f"silt {k + 1}", solidConductivity=solidConductivity, thawStrain=ice)
+		layers[material.name] = layer | dict(polygon=outline, material=material)
+	return layers
+
+
 def scene(b, ground, profile, grains=None):
 	h, height = ground.gridSpacing, ground.thickness
 	mpm = MpmEngine(
@@ -193,7 +266,6 @@ def scene(b, ground, profile, grains=None):
 		upper=(ground.length, height + 1.6),
 		gravity=(gravity * math.sin(b), -gravity * math.cos(b)),
 		damping=0.1,
-		material=GroundMaterial(name="silt", solidConductivity=solidConductivity, thawStrain=ground.thawStrain),
 		heat=HeatTransfer(thermalTimeScale=ground.timeScale, followsMotion=True, motionTolerance=ground.motionTolerance),
 		freezing=FreezingCurve(width=0.3),
 		water=PoreWater(conductivity=ground.conductivity, referencePorosity=ground.porosity, bulkModulus=5e6, impedance=ground.impedance),
@@ -207,13 +279,15 @@ def scene(b, ground, profile, grains=None):
 			SurfaceTemperature(region="surface", times=[0, 0.5 * talik.day, talik.day], values=[-2, -2, ground.surfaceTemperature]),
 		],
 	)
+	if not ground.segregation:
+		mpm.material = GroundMaterial(name="silt", solidConductivity=solidConductivity, thawStrain=ground.thawStrain)
 	layer = dict(
 		polygon=[(0, 0), (ground.length, 0), *list(zip(*profile))[::-1]],
 		porosity=ground.porosity,
 		temperature=-2,
 		pressure=lambda x, y: water * gravity * math.cos(b) * np.maximum(np.interp(x, *profile) - y, 0),
 	)
-	talik.layers.fill(mpm, {"silt": layer}, pointsPerCell=round(ground.pointsPerCell), lateralRatio=None if grains else 0.5)
+	talik.layers.fill(mpm, layersOf(layer, ground, profile), pointsPerCell=round(ground.pointsPerCell), lateralRatio=None if grains else 0.5)
 	if grains:
 		talik.slope.settle(mpm, layer["polygon"], lateralRatio=0.5)
 	return mpm
@@ -227,6 +301,7 @@ class Runs:
 
 	def of(self, slope, ground, cycle=1):
 		"""The thaw of a cycle; None after a mudflow."""
+		ground = withIce(ground)
 		former = self.of(slope, ground, cycle - 1) if cycle > 1 else None
 		if cycle > 1 and (not former or flows(former)):
 			return None
@@ -346,7 +421,7 @@ def assumed(words):
 		number = float(value)
 	except ValueError:
 		number = math.nan
-	if not (0 < number < math.inf or (number == 0 and name in ("cohesion", "thawStrain", "impedance"))):
+	if not (0 < number < math.inf or (number == 0 and name in ("cohesion", "thawStrain", "impedance", "segregation"))):
 		raise SystemExit(f"--assume {words}: '{value}' is not a positive number; write {name}=NUMBER, e.g. {name}={getattr(Assumptions, name):g}")
 	if name == "frontVelocities" and number not in (1, 2):
 		raise SystemExit(f"--assume {words}: the thaw front has one velocity or two; write {name}=1 or {name}=2")
@@ -368,7 +443,7 @@ options = parser.parse_args()
 folder = writableFolder(options.output)
 
 base, days = {"test": (Assumptions(length=3.0), 4), "draft": (Assumptions(), 45)}[options.preset]
-base = replace(base, **dict(map(assumed, options.assume)))
+base = withIce(replace(base, **dict(map(assumed, options.assume))))
 if not 0 < base.friction < 1:
 	raise SystemExit(
 		f"cohesion, safetyAt18, thickness, porosity and the excess pressure of {base.excess:.0f} Pa (thawStrain, surfaceTemperature, conductivity) give "
@@ -384,6 +459,10 @@ safety = ", ".join(f"{base.safety(slope, base.thickness / math.cos(math.radians(
 print(
 	f"pressure at the thaw front {base.excess:.0f} Pa above that at rest; factor of safety at the base {safety} at 12, 18 and 24 deg; measured > 1, about 1, < 1"
 )
+if base.segregation:
+	heave = base.thawStrain * base.thickness
+	creep = ", ".join(f"{1e3 * heave * math.tan(math.radians(slope)):.0f} mm at {slope} deg" for slope in measured)
+	print(f"excess ice from the base up {', '.join(f'{ice:.3f}' for ice in rowsOf(base))}; {1e3 * heave:.0f} mm; frost creep by hand {creep}")
 print(f"friction angle {math.degrees(math.atan(base.friction)):.1f} deg; path of the surface [mm]:")
 lines = tableOf(runs, base, options.vary, law)
 found = {slope: runs.of(slope, base) for slope in measured}

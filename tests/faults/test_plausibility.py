@@ -219,3 +219,48 @@ def test_a_ground_that_goes_on_from_a_file_does_not_say_it_again(tmp_path, capfd
 	talik.resume(tmp_path / "x")
 	O.step()
 	assert capfd.readouterr().err == ""
+
+
+def lens(potential):
+	"""A column of fine cells between cold and warm ends, whose front comes to rest and draws water for days."""
+	h = 0.02
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(h, 0.4),
+		gravity=(0, -9.81),
+		damping=0.3,
+		heat=wrapper.HeatTransfer(thermalTimeScale=5e5),
+		freezing=wrapper.FreezingCurve(width=0.3),
+		water=wrapper.PoreWater(conductivity=1e-7, cavitationPressure=-1e5),
+		segregation=wrapper.IceSegregation(segregationPotential=potential),
+		skeleton=wrapper.MohrCoulombSkeleton(young=1e6, youngFrozen=4e6, frictionAngle=30, cohesion=0, cohesionFrozen=5e5),
+		boundaries=[
+			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
+			wrapper.WallTemperature(region="bottom", temperature=5),
+			wrapper.DrainedBoundary(region="bottom", pressure=9810 * 0.2),
+			wrapper.SurfaceTemperature(region="surface", days=[0, 0.1], values=[1, -5]),
+		],
+	)
+	place, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, h, 0.2), h)
+	mpm.addPoints(position=place, volume=volume, porosity=0.4, temperature=1, pressure=9810 * (0.2 - place[:, 1]))
+	return mpm
+
+
+@pytest.mark.parametrize("potential, parts", [(3e-9, True), (2e-10, False)])
+def test_ground_whose_ice_lens_leaves_cells_without_points_says_so_once_and_what_to_change(potential, parts, capfd):
+	O.reset()
+	mpm = lens(potential)
+	O.engines = [mpm]
+	days = 0
+	while days < 4.5:
+		talik.runUntilDay(mpm, days := days + 0.25)
+	lines = [line for line in capfd.readouterr().err.splitlines() if line.startswith("Talik warns")]
+	height, h = mpm.field("position")[:, 1], mpm.gridSpacing
+	empty = int(height.max() // h) + 1 - len(set(np.floor(height / h)))
+	longest = (mpm.field("segregatedVolume") / (mpm.field("volume") - mpm.field("segregatedVolume"))).max()
+	print(f"excess ice over soil in a point {longest:.2f}, cells below the surface without points {empty}, said: {lines}")
+	assert bool(lines) == parts == (empty > 0)
+	if parts:
+		(line,) = lines
+		assert "ice lens in point" in line and "gridSpacing" in line

@@ -7,6 +7,7 @@
 #include <pkg/ranks/RankTalk.hpp>
 #include <pkg/thm/Errors.hpp>
 
+#include <iomanip>
 #include <iostream>
 #include <set>
 #include <sstream>
@@ -417,6 +418,33 @@ void MpmEngine::warnOfCalendar()
 	}
 }
 
+namespace {
+	const string lenses = "lenses"; // of what is said, for all of them
+
+	/// A lens grows along the gradient of temperature and draws its points apart in that direction. Farther apart than a cell is wide they leave
+	/// cells between them without points, in which heat and stress end. What is to be said of the first such point; nothing if there is none.
+	string lensThatParts(const talik::AnyGround& ground, std::size_t points, Real gridSpacing)
+	{
+		constexpr Real      farthest = 1.25; // cells: one of five has no point then
+		std::vector<double> ice(points), volume(points);
+		ground.copyById("segregatedVolume", 0, ice.data());
+		ground.copyById("volume", 0, volume.data());
+		for (std::size_t id = 0; id < points; ++id) {
+			const Real soil = volume[id] - ice[id];
+			if (!(ice[id] > 0.25 * soil) || !(soil > 0)) continue;
+			const Real length = std::pow(soil, 1.0 / ground.dimension()) * volume[id] / soil;
+			if (!(length > farthest * gridSpacing)) continue;
+			std::ostringstream text;
+			text << std::setprecision(3) << "Talik warns: on day " << ground.calendar().time / secondsPerDay << " the ice lens in point " << id
+			     << " is " << ice[id] / soil << " times as thick as its soil and makes it " << length << " m long, with cells of " << gridSpacing
+			     << " m: cells beside it lose their points, heat and intake end there, and from then on too little ice forms. Take an "
+			        "MpmEngine.gridSpacing larger than the lens grows, or only the days before.";
+			return text.str();
+		}
+		return "";
+	}
+} // namespace
+
 // ---- the step --------------------------------------------------------------------------------------------------------------
 
 /// Attributes of this engine that C++ or an archive has changed since the ground was built; changes by a script are refused before, in guards/attributes.py.
@@ -580,6 +608,12 @@ void MpmEngine::stepGround()
 	if (bodies) advanceAmongBodies();
 	else advanceAlone(newLimit);
 	compareRanks();
+	// once in a run; bands would hand each other their points for it, and look more seldom
+	if (segregation && newLimit && !said.count(lenses) && (!ground->inBands() || ground->steps() % 1000 == 0)) {
+		const string sentence = lensThatParts(*ground, pointCount(), gridSpacing);
+		if (!sentence.empty()) said.insert(lenses);
+		if (!sentence.empty()) say(sentence);
+	}
 	if (watched) recordWatched();
 	picture.takeIfAsked(*ground, pointCount());
 	stopAtTheDay(before);
