@@ -2,7 +2,7 @@
 #include "ShearTest.hpp"
 
 #include <boost/python/numpy.hpp>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/multiscale/samples/RveSample.hpp>
 #include <pkg/python/ScriptValues.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
@@ -61,7 +61,7 @@ namespace {
 		}
 		std::vector<Record> records(sheared.size());
 		Py_BEGIN_ALLOW_THREADS;
-		ThreadTeam::run(int(sheared.size()), std::max(1, std::min(ThreadTeam::threads(), int(sheared.size()))), [&](int k, int) {
+		ThreadPool::run(int(sheared.size()), std::max(1, std::min(ThreadPool::threads(), int(sheared.size()))), [&](int k, int) {
 			const auto& sample      = *sheared[std::size_t(k)];
 			records[std::size_t(k)] = sample.dimension() == 2 ? record<2>(sample, paths[std::size_t(k)]) : record<3>(sample, paths[std::size_t(k)]);
 		});

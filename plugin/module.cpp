@@ -13,7 +13,7 @@
 #include <pkg/multiscale/engine/MpmEngine.hpp>
 #include <pkg/python/HeldObject.hpp>
 #include <pkg/python/StepGate.hpp>
-#include <pkg/ranks/RankTalk.hpp>
+#include <pkg/ranks/Communicator.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/packed/PackedStepView.hpp>
 #include <sstream>
@@ -191,26 +191,26 @@ namespace {
 		~WithoutInterpreterLock() { PyEval_RestoreThread(state); }
 	};
 
-	RankTalk& requireTalk()
+	Communicator& requireCommunicator()
 	{
-		if (!jobTalk()) raise(PyExc_RuntimeError, "this process has no other ranks: start it by mpirun -n N yade -n -x scene.py");
-		return *jobTalk();
+		if (!jobCommunicator()) raise(PyExc_RuntimeError, "this process has no other ranks: start it by mpirun -n N yade -n -x scene.py");
+		return *jobCommunicator();
 	}
 
 	py::tuple openRanks()
 	{
 		openJobTalk();
-		return jobTalk() ? py::make_tuple(jobTalk()->rank(), jobTalk()->count()) : py::make_tuple(0, 1);
+		return jobCommunicator() ? py::make_tuple(jobCommunicator()->rank(), jobCommunicator()->count()) : py::make_tuple(0, 1);
 	}
 
 	/// Descriptions of all ranks, by which they are called in errors from now on.
 	py::list describeRanks(const py::object& own, const std::string& name)
 	{
-		RankTalk&  talk      = requireTalk();
-		const auto everybody = [&](const std::string& bytes) {
-			return talk.ranks().exchange(std::vector<std::string>(std::size_t(talk.count()), bytes));
+		Communicator& communicator = requireCommunicator();
+		const auto    everybody    = [&](const std::string& bytes) {
+                        return communicator.ranks().exchange(std::vector<std::string>(std::size_t(communicator.count()), bytes));
 		};
-		talk.describe(everybody(name));
+		communicator.describe(everybody(name));
 		py::list all;
 		for (const auto& bytes : everybody(bytesOf(own)))
 			all.append(asBytes(bytes));
@@ -219,15 +219,15 @@ namespace {
 
 	void meetRanks(const std::string& purpose)
 	{
-		RankTalk&                    talk = requireTalk();
+		Communicator&                communicator = requireCommunicator();
 		const StepGate               gate;
 		const WithoutInterpreterLock unlocked;
-		talk.meet(purpose);
+		communicator.meet(purpose);
 	}
 
 	py::dict rankTraffic()
 	{
-		const RankTraffic sent = requireTalk().ranks().traffic();
+		const RankTraffic sent = requireCommunicator().ranks().traffic();
 		py::dict          d;
 		TALIK_PUT_MEMBERS(d, sent, (messages)(bytes)(waited)(polling))
 		return d;
@@ -320,7 +320,7 @@ BOOST_PYTHON_MODULE(_talik)
 	        "Collective: wait for all ranks at the same place of the script, and answer their questions meanwhile.");
 	py::def("rankTraffic", rankTraffic, "Dictionary: messages, bytes sent, seconds waited and processor seconds of waiting, of this rank.");
 	py::def(
-	        "endJob", +[](int status) { requireTalk().ranks().endJob(status); }, py::arg("status"), "End all processes of the job.");
+	        "endJob", +[](int status) { requireCommunicator().ranks().endJob(status); }, py::arg("status"), "End all processes of the job.");
 	exposeSampleGroup();
 	exposeShearTests();
 	py::def(

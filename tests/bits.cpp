@@ -96,12 +96,12 @@ template <int D> void onThreads(const Scene& scene, int steps, int threads)
 
 template <int D> void onTwoRanks(const Scene& scene, int steps)
 {
-	asRanks(2, [&](const std::shared_ptr<RankTalk>& talk) {
-		const auto          ground = slope<D>(scene, talk);
+	asRanks(2, [&](const std::shared_ptr<Communicator>& communicator) {
+		const auto          ground = slope<D>(scene, communicator);
 		std::vector<double> limits;
 		march(*ground, steps, limits);
-		if (talk->rank() == 0) tell<D>(scene, "two ranks", *ground, limits);
-		talk->meet("it is told"); // the others answer it until then
+		if (communicator->rank() == 0) tell<D>(scene, "two ranks", *ground, limits);
+		communicator->meet("it is told"); // the others answer it until then
 	});
 }
 

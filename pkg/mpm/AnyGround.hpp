@@ -5,8 +5,8 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/ranks/Communicator.hpp>
 #include <pkg/ranks/PartedFile.hpp>
-#include <pkg/ranks/RankTalk.hpp>
 
 #include <string>
 #include <utility>
@@ -21,11 +21,11 @@ public:
 
 	virtual int dimension() const = 0; ///< 2 or 3
 
-	/// Before initialise(): the ranks, which run the same scene, share out its strips in bands. Every rank has arrays for all points, and looking
-	/// at them brings those of the others. What bands do not serve is refused by initialise() where they are `required`; else each rank
+	/// Before initialise(): the ranks, which run the same scene, share out its strips in slabs. Every rank has arrays for all points, and looking
+	/// at them brings those of the others. What slabs do not serve is refused by initialise() where they are `required`; else each rank
 	/// computes the whole ground then.
-	virtual void distribute(std::shared_ptr<RankTalk> talk, bool required = true) = 0;
-	virtual bool inBands() const                                                  = 0; ///< after initialise()
+	virtual void distribute(std::shared_ptr<Communicator> communicator, bool required = true) = 0;
+	virtual bool inBands() const                                                              = 0; ///< after initialise()
 	/// Checks everything, allocates all fields and sets the initial state. Throws std::invalid_argument naming attribute, value
 	/// and remedy.
 	virtual void initialise()        = 0;
@@ -64,7 +64,7 @@ public:
 	/// Calendar time, scale of the last step, what the next one follows from; an event if one goes on.
 	virtual const CalendarState& calendar() const            = 0;
 	virtual double               seepageScale() const        = 0; ///< f_H in the last step [-]; 1 without water
-	virtual double               largestConductivity() const = 0; ///< up to which seepage is hastened [m/s], see PoreWater; infinite without water
+	virtual double               largestConductivity() const = 0; ///< up to which seepage is accelerated [m/s], see PoreWater; infinite without water
 	/// Between two steps: the calendar says this time [s] from now on, and events are counted anew.
 	virtual void setCalendar(double time) = 0;
 	/// Events that ended so far, and the one that goes on as the last if there is one. Empty unless the scale follows the motion.

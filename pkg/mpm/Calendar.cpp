@@ -67,7 +67,7 @@ template <int D> void Calendar<D>::sumInCells(const StepContext<D>& step, const 
 			        sum[D] += points.mass[p];
 		        }
 	        },
-	        [&](SharedRows& rows) { rows.cells(cellMotion_.data()); });
+	        [&](HaloExchange& rows) { rows.cells(cellMotion_.data()); });
 }
 
 /// Square of the largest mean velocity in the cells first .. last [m^2/s^2].
@@ -99,7 +99,7 @@ void Calendar<D>::measure(
 		const int firstCell = std::max(step.owned.firstCell, s * cellsOfStrip), lastCell = std::min(step.owned.lastCell, (s + 1) * cellsOfStrip);
 		measured_[s] = { leastInertia(points.volume, heat, first, last), cells ? fastestCell(firstCell, lastCell) : fastestPoint(points, first, last) };
 	});
-	if (strips.bands) strips.bands->shareByStrip(measured_.data());
+	if (strips.slabs) strips.slabs->shareByStrip(measured_.data());
 	Measured all;
 	for (const Measured& strip : measured_) {
 		all.inertia = std::min(all.inertia, strip.inertia);
@@ -126,29 +126,29 @@ template <int D> void Calendar<D>::keepEvents(const StepContext<D>& step, const 
 	state.quiet         = slow ? state.quiet + step.dt : 0.0;
 	state.quietCalendar = slow ? state.quietCalendar + step.calendarDt : 0.0;
 	if (state.quiet < MotionEvent::quietTime) return;
-	const MotionEvent ended = present(state, points, time, strips, strips.bands);
+	const MotionEvent ended = present(state, points, time, strips, strips.slabs);
 	if (ended.largest > settings_->eventDisplacement) events.push_back(ended);
 	state.moving = 0;
 }
 
 template <int D>
-MotionEvent Calendar<D>::present(const CalendarState& state, const PointsInMotion<D>& points, double time, const Strips& strips, Bands* bands) const
+MotionEvent Calendar<D>::present(const CalendarState& state, const PointsInMotion<D>& points, double time, const Strips& strips, SlabDecomposition* slabs) const
 {
 	MotionEvent event = state.event;
 	event.duration    = time - event.start - state.quiet;
 	event.passed      = state.time - event.begin - state.quietCalendar;
-	measureEvent(event, points, strips, bands);
+	measureEvent(event, points, strips, slabs);
 	return event;
 }
 
-template <int D> void Calendar<D>::measureEvent(MotionEvent& event, const PointsInMotion<D>& points, const Strips& strips, Bands* bands) const
+template <int D> void Calendar<D>::measureEvent(MotionEvent& event, const PointsInMotion<D>& points, const Strips& strips, SlabDecomposition* slabs) const
 {
 	struct Moved {
 		double largest = 0.0, volume = 0.0;
 	};
 	const double       least = settings_->eventDisplacement * settings_->eventDisplacement;
 	std::vector<Moved> byStrip(strips.count());
-	for (int s = bands ? strips.begin() : 0; s < (bands ? strips.end() : strips.count()); ++s)
+	for (int s = slabs ? strips.begin() : 0; s < (slabs ? strips.end() : strips.count()); ++s)
 		for (int p = strips.first[s]; p < strips.first[s + 1]; ++p) {
 			double square = 0.0;
 			for (int a = 0; a < D; ++a) {
@@ -158,7 +158,7 @@ template <int D> void Calendar<D>::measureEvent(MotionEvent& event, const Points
 			byStrip[s].largest = std::max(byStrip[s].largest, square);
 			if (square > least) byStrip[s].volume += points.volume[p];
 		}
-	if (bands) bands->shareByStrip(byStrip.data());
+	if (slabs) slabs->shareByStrip(byStrip.data());
 	double largest = 0.0;
 	for (const Moved& moved : byStrip) {
 		largest = std::max(largest, moved.largest);

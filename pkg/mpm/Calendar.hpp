@@ -66,8 +66,8 @@ public:
 	        CalendarState& state);
 	/// At the end of a step that ended at time [s of motion], calendar included: keeps account of events.
 	void keepEvents(const StepContext<D>& step, const PointsInMotion<D>& points, double time, CalendarState& state);
-	/// The event that goes on, as if it ended now. bands: their ranks ask together; null: the points of all are current here.
-	MotionEvent present(const CalendarState& state, const PointsInMotion<D>& points, double time, const Strips& strips, Bands* bands) const;
+	/// The event that goes on, as if it ended now. slabs: their ranks ask together; null: the points of all are current here.
+	MotionEvent present(const CalendarState& state, const PointsInMotion<D>& points, double time, const Strips& strips, SlabDecomposition* slabs) const;
 	/// Only cells of this part are used from now on; all others are zero and take no memory.
 	void keepOnly(const ActiveRange& range) { cellMotion_.keepOnly(range.firstCell, range.lastCell); }
 
@@ -78,7 +78,7 @@ private:
 	TALIK_PROCESSOR_VERSIONS double fastestPoint(const PointsInMotion<D>& points, int first, int last) const;
 	void                            sumInCells(const StepContext<D>& step, const PointsInMotion<D>& points, const CellMeans<D>& cells);
 	double                          fastestCell(int first, int last) const;
-	void                            measureEvent(MotionEvent& event, const PointsInMotion<D>& points, const Strips& strips, Bands* bands) const;
+	void                            measureEvent(MotionEvent& event, const PointsInMotion<D>& points, const Strips& strips, SlabDecomposition* slabs) const;
 
 	const HeatSettings*    settings_;
 	PointFields::Handle    handle_;

@@ -121,7 +121,7 @@ template <int D> std::vector<FieldInfo> Ground<D>::fields() const
 	if (g.heat) {
 		node("heatCapacitySum", "heat", "J/K, J", 2, g.heat->nodes.bytes());
 		node("nodalTemperature", "heat", "J/K, degC", 3, g.heat->capacity.bytes() + g.heat->mapped.bytes() + g.heat->nodal.bytes());
-		node("nodalHeat", "heat", "J, K", 3, g.heat->energy.bytes() + g.heat->noise.bytes() + g.heat->rise.bytes());
+		node("nodalHeat", "heat", "J, K", 3, g.heat->energy.bytes() + g.heat->nullSpaceResidual.bytes() + g.heat->increment.bytes());
 		if (g.heat->moments.bytes() > 0) node("heatMoments", "heated walls", "J m/K", D, g.heat->moments.bytes());
 	}
 	if (g.water) {
@@ -205,7 +205,7 @@ template <int D> void Ground<D>::stateRestored()
 {
 	Parts& g         = *parts_;
 	g.contentSettled = false;
-	if (g.ranks) g.ranks.bands()->weigh({});
+	if (g.ranks) g.ranks.slabs()->weigh({});
 	g.points->idsRestored();
 	g.afterReordering();
 }
@@ -213,7 +213,7 @@ template <int D> void Ground<D>::stateRestored()
 template <int D> std::uint64_t Ground<D>::writePoints(const FilePlace& place)
 {
 	const Parts& g = *parts_;
-	if (g.ranks) return g.ranks.bands()->write(place);
+	if (g.ranks) return g.ranks.slabs()->write(place);
 	PartSum sum;
 	g.ranks.writeOwnPoints(place, sum);
 	return sum.value();

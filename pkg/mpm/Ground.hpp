@@ -37,10 +37,10 @@ public:
 
 	/// Adds a point and returns its id, which counts from 0 and never changes.
 	int addPoint(const PointInput<D>& point);
-	/// All points in place of these, each of which initialise() asks for: a rank in bands holds its own only.
+	/// All points in place of these, each of which initialise() asks for: a rank in slabs holds its own only.
 	void takePoints(int count, std::function<PointInput<D>(int id)> point);
 
-	void distribute(std::shared_ptr<RankTalk> talk, bool required = true) override;
+	void distribute(std::shared_ptr<Communicator> communicator, bool required = true) override;
 	bool inBands() const override;
 	void initialise() override;
 	bool initialised() const override;

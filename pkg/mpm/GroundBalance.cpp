@@ -38,7 +38,7 @@ template <int D> void Ground<D>::Parts::findForcesAtRest()
 		        if (water) water->map(w, averagingCells());
 		        if (surface) surface->map(w);
 	        },
-	        [](SharedRows&) {});
+	        [](HaloExchange&) {});
 	if (surface) collectSurfaces(context());
 	momentum->addGravity(ranks.halo(), *motion, water.get());
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
@@ -108,7 +108,7 @@ template <int D> void Ground<D>::Parts::findReactions(const std::array<std::vect
 			        });
 		        }
 	        },
-	        [](SharedRows&) {});
+	        [](HaloExchange&) {});
 }
 
 /// Adds the smallest stress, in the mean square over the volume, with which the forces on all nodes are zero: the strain of an elastic body of
@@ -136,7 +136,7 @@ template <int D> void Ground<D>::Parts::balanceStart()
 					        inverse[node][i] += points->volume()[w.first + k] * dot<D>(slope, slope);
 			        });
 	        },
-	        [](SharedRows&) {});
+	        [](HaloExchange&) {});
 	const auto overAll = [&](auto&& work) {
 		ranks.halo().overNodes([&](int, int first, int last) {
 			for (int i = first; i < last; ++i)

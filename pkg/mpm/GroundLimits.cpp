@@ -124,7 +124,7 @@ template <int D> void Ground<D>::Parts::requirePathsInside(const StepContext<D>&
 
 template <int D> void Ground<D>::Parts::refuseToLeave(const StepContext<D>& step, bool stable)
 {
-	const ConcernedPoints all   = concernedPoints(*points, positions.leaving(step, *points, *shape, *motion, front.get()), clock.steps, step.bands);
+	const ConcernedPoints all   = concernedPoints(*points, positions.leaving(step, *points, *shape, *motion, front.get()), clock.steps, step.slabs);
 	const std::string     place = all.count == 0 ? "a material point" : all.first;
 	clock                       = clockBefore;
 	throw std::runtime_error(

@@ -6,7 +6,7 @@ namespace talik {
 template <int D> void Ground<D>::Parts::sort()
 {
 	points->strips().parallel = points->count() >= settings.parallelFrom;
-	if (ranks) sortInBands();
+	if (ranks) sortInSlabs();
 	else {
 		points->sort(grid);
 		clock.range = ActiveRange::of(grid, *points);
@@ -72,7 +72,7 @@ template <int D> void Ground<D>::Parts::locateInCells()
 		        if (implicit) implicit->addContent(*points, *cells, *content, *water, *motion, heat ? heat->temperature : nullptr, first, last);
 		        bBar.addToCells(*cells, *points, *motion, water.get(), content.get(), first, last);
 	        },
-	        [&](SharedRows& rows) {
+	        [&](HaloExchange& rows) {
 		        rows.beyond = true;
 		        cells->share(rows);
 		        if (average && water) water->shareCells(rows);

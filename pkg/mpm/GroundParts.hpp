@@ -188,8 +188,8 @@ template <int D> struct Ground<D>::Parts {
 	/// Of points, nodes and cells only what this rank computes takes memory.
 	void          keepOwnPart();
 	const double* costOfPoints() const;
-	/// Sorts the points of all ranks, and cuts new bands; those that cross go from rank to rank. Collective.
-	void sortInBands();
+	/// Sorts the points of all ranks, and cuts new slabs; those that cross go from rank to rank. Collective.
+	void sortInSlabs();
 	/// The limits of this rank's points; in words instead if something is wrong.
 	StableTimeStep limitsOfPoints() const;
 	StableTimeStep limitsOfRanks() const;
@@ -206,7 +206,7 @@ template <int D> struct Ground<D>::Parts {
 			 ranks.owned(),
 			 ranks.halo(),
 			 points->strips(),
-			 ranks.bands(),
+			 ranks.slabs(),
 			 ledger };
 	}
 
@@ -253,7 +253,7 @@ template <int D> struct Ground<D>::Parts {
 
 	// ---- updateStrainAndPressure ----------------------------------------------------------------------------------------
 	void segregate(const StepContext<D>& step);
-	void levelCells(const StepContext<D>& step);
+	void stabiliseCells(const StepContext<D>& step);
 	void updatePoints(const StepContext<D>& step);
 	void receiveWater(const StepContext<D>& step, int strip, int first, int last);
 	void followStrain(const StepContext<D>& step, int strip, int first, int last, CostMeter::Sample& sample);

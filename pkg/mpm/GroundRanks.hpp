@@ -16,17 +16,17 @@ namespace talik {
 template <int D> class GroundRanks {
 public:
 	/// Before the ground is initialised. required: it is an error if the ranks cannot divide this ground; else each of them computes all of it.
-	void distribute(std::shared_ptr<RankTalk> talk, bool required);
+	void distribute(std::shared_ptr<Communicator> communicator, bool required);
 	/// There are ranks that want to divide the ground.
-	bool wanted() const { return talk_ != nullptr; }
+	bool wanted() const { return communicator_ != nullptr; }
 	/// Once it is known which points each strip has. refusal: why this scene is not divided; empty: it is. limits: what this rank says when
 	/// another one asks for time step limits. Collective. Throws std::invalid_argument.
 	void start(const Grid<D>& grid, MaterialPoints<D>& points, const std::string& refusal, std::function<std::string()> limits);
 
 	/// The ground is divided.
-	explicit operator bool() const { return bands_ != nullptr; }
+	explicit operator bool() const { return slabs_ != nullptr; }
 	/// Null where it is not.
-	Bands* bands() const { return bands_.get(); }
+	SlabDecomposition* slabs() const { return slabs_.get(); }
 	/// Rows of nodes and cells that the points of this rank may touch.
 	const ActiveRange& owned() const { return owned_; }
 	/// The same and as many more as it has to know to solve there.
@@ -47,7 +47,7 @@ public:
 	/// Numbers by place become known to all ranks, for sums in the order of one; until keepOwnPoints(). Arrays may be null.
 	template <class... Arrays> void showAll(Arrays*... arrays) const
 	{
-		if (bands_) (void)std::initializer_list<int> { (arrays ? bands_->shareByPoint(arrays) : void(), 0)... };
+		if (slabs_) (void)std::initializer_list<int> { (arrays ? slabs_->shareByPoint(arrays) : void(), 0)... };
 	}
 	/// What the ranks say of their time step limits, by rank.
 	std::vector<std::string> askLimits() const;
@@ -68,12 +68,12 @@ private:
 				work(f.component(int(k), c));
 	}
 
-	std::shared_ptr<RankTalk> talk_; ///< null: there is one rank
-	bool                      required_ = true;
-	std::unique_ptr<Bands>    bands_; ///< from start() on
-	const Grid<D>*            grid_   = nullptr;
-	MaterialPoints<D>*        points_ = nullptr;
-	ActiveRange               owned_, halo_;
+	std::shared_ptr<Communicator>      communicator_; ///< null: there is one rank
+	bool                               required_ = true;
+	std::unique_ptr<SlabDecomposition> slabs_; ///< from start() on
+	const Grid<D>*                     grid_   = nullptr;
+	MaterialPoints<D>*                 points_ = nullptr;
+	ActiveRange                        owned_, halo_;
 };
 
 extern template class GroundRanks<2>;

@@ -103,10 +103,10 @@ struct WaterSettings {
 	PoreWaterState state;        ///< bulk moduli, cavitation pressure, densityChange
 	Permeability   permeability; ///< hydraulic conductivity
 	double         picTime = std::numeric_limits<
-                double>::quiet_NaN(); ///< of the liquid velocity [s], >= 0; NaN (default): sqrt(h/g); no more than 12.5 ms where seepage is hastened
+                double>::quiet_NaN(); ///< of the liquid velocity [s], >= 0; NaN (default): sqrt(h/g); no more than 12.5 ms where seepage is accelerated
 	/// f_H multiplies conductivity and what is fed in [-], 1e-12 to 1e12; NaN (default): the scale of the calendar.
 	double hydraulicTimeScale = std::numeric_limits<double>::quiet_NaN();
-	/// No water is hastened beyond this conductivity, and that of gravel is lowered to it [m/s], > 0; NaN (default): chosen, see
+	/// No water is accelerated beyond this conductivity, and that of gravel is lowered to it [m/s], > 0; NaN (default): chosen, see
 	/// PoreWater::largestConductivity; infinity: none.
 	double largestConductivity = std::numeric_limits<double>::quiet_NaN();
 	/// Pressure of the end of the step, from one system for all cells, see ImplicitPressure: the stiffness of water does not limit the step.

@@ -152,8 +152,8 @@ template <int D> void Ground<D>::Parts::bindEffects()
 
 template <int D> void Ground<D>::Parts::listReadArrays()
 {
-	const auto reads = [](ArraysAhead& ahead, const auto&... arrays) { (ahead.add(arrays), ...); };
-	for (ArraysAhead* ahead : { &passes.toGrid, &passes.flows, &passes.seepage, &passes.toPoints })
+	const auto reads = [](Prefetch& ahead, const auto&... arrays) { (ahead.add(arrays), ...); };
+	for (Prefetch* ahead : { &passes.toGrid, &passes.flows, &passes.seepage, &passes.toPoints })
 		reads(*ahead, points->positions());
 	if (motion) {
 		reads(passes.toGrid, motion->mass, motion->volume, motion->velocity, motion->stress, motion->addedStress);
@@ -173,11 +173,11 @@ template <int D> void Ground<D>::Parts::listReadArrays()
 	}
 	if (water && !heat) reads(passes.flows, points->volume());
 	if (averaging() && water)
-		for (ArraysAhead* ahead : { &passes.toGrid, &passes.toPoints })
+		for (Prefetch* ahead : { &passes.toGrid, &passes.toPoints })
 			reads(*ahead, cells->cells());
 }
 
-/// Each rank of a ground in bands fills its own points, at the places that these have among all.
+/// Each rank of a ground in slabs fills its own points, at the places that these have among all.
 template <int D> void Ground<D>::Parts::fillPoints()
 {
 	const int n = points->count();
@@ -239,16 +239,16 @@ template <int D> void Ground<D>::Parts::shareRecords()
 		motion->nodes.shareColumns(heat->nodes, Columns::Moving::capacity);
 		heat->carriedAlong();
 	}
-	if (motion && Columns::Solved::carriesRise) motion->solved.shareColumns(heat->rise, Columns::Solved::rise);
+	if (motion && Columns::Solved::carriesIncrement) motion->solved.shareColumns(heat->increment, Columns::Solved::increment);
 	if (!water) return heat->receiveInOneRecord(grid);
 	water->nodal.shareColumns(heat->nodal, Columns::Driving::temperature);
 	water->force.shareColumns(heat->energy, Columns::Driven::heat);
-	water->force.shareColumns(heat->noise, Columns::Driven::unseen);
+	water->force.shareColumns(heat->nullSpaceResidual, Columns::Driven::nullSpace);
 	if (Columns::Liquid::carriesHeat) {
 		water->nodes.shareColumns(heat->nodes, Columns::Liquid::capacity);
 		heat->carriedAlong();
 	}
-	if (Columns::Gathered::carriesRise) water->exchange.shareColumns(heat->rise, Columns::Gathered::rise);
+	if (Columns::Gathered::carriesIncrement) water->exchange.shareColumns(heat->increment, Columns::Gathered::increment);
 }
 
 template <int D> void Ground<D>::Parts::checkFreeSurface()
@@ -258,7 +258,7 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	locateInCells();
 	passes.scatter(
 	        passes.toGrid, [&](const WeightBlock<D>& w) { surface->map(w); },
-	        [&](SharedRows& rows) {
+	        [&](HaloExchange& rows) {
 		        rows.beyond = true;
 		        rows.nodes(surface->nodes);
 	        });
@@ -284,7 +284,7 @@ template <int D> double Ground<D>::Parts::largestModulus() const
 	for (int p = strips.firstPoint(); p < strips.endPoint(); ++p)
 		largest = std::max(largest, scratch[p]);
 	if (ranks)
-		for (const double ofRank : ranks.bands()->byRank(largest))
+		for (const double ofRank : ranks.slabs()->byRank(largest))
 			largest = std::max(largest, ofRank);
 	return largest;
 }

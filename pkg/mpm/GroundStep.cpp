@@ -74,7 +74,7 @@ template <int D> void Ground<D>::updateStrainAndPressure()
 	const StepContext<D> step = g.context();
 	if (g.booksEnergy()) g.cost.time(CostMeter::ledger, [&] { g.strainWork.bookStart(step, *g.points, *g.motion, g.water.get(), g.averagingCells()); });
 	if (g.segregation) g.cost.time(CostMeter::segregation, [&] { g.segregate(step); });
-	if (g.exchangingCells()) g.cost.time(CostMeter::water, [&] { g.levelCells(step); });
+	if (g.exchangingCells()) g.cost.time(CostMeter::water, [&] { g.stabiliseCells(step); });
 	g.updatePoints(step);
 	if (g.cellPressure()) g.cost.time(CostMeter::water, [&] { g.findCellPressure(step); });
 	g.contentSettled = g.allRests();
@@ -167,7 +167,7 @@ template <int D> bool Ground<D>::Parts::heatMayRest()
 	if (own.holdsReference) own.reference = temperature[place];
 	if (own.points) own.first = temperature[first];
 	own.same                   = settings.resting && heat->haveTemperature(own.first, first, end);
-	const std::vector<Own> all = ranks ? ranks.bands()->byRank(own) : std::vector<Own> { own };
+	const std::vector<Own> all = ranks ? ranks.slabs()->byRank(own) : std::vector<Own> { own };
 	for (const Own& rank : all)
 		if (rank.holdsReference) heat->setReference(rank.reference);
 	const bool same = std::all_of(all.begin(), all.end(), [&](const Own& rank) { return rank.same && (!rank.points || rank.first == heat->reference); });
@@ -198,7 +198,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 	const double* const weightWithMotion = Columns::Moving::carriesHeat ? weight : nullptr;
 	passes.inBlocks(
 	        passes.toGrid,
-	        [&](SharedRows& rows) {
+	        [&](HaloExchange& rows) {
 		        rows.beyond = true;
 		        if (motion) rows.nodes(motion->nodes);
 		        if (front) front->shareMapped(grid, rows);
@@ -262,7 +262,7 @@ template <int D> void Ground<D>::Parts::findFlows(const StepContext<D>& step)
 	else if (heat && water) cost.time(CostMeter::heat, [&] { heat->rest(step.halo); });
 	if (water) cost.time(CostMeter::water, [&] { findNodalPressure(step); });
 	const auto pass = [&](CostMeter::Entry pays, auto&& work) {
-		const auto share = [&](SharedRows& rows) {
+		const auto share = [&](HaloExchange& rows) {
 			rows.beyond = water && (front || implicit); // sides meet there with the force on their liquid; cells there meet their own
 			if (water) rows.nodes(water->force);
 			if (conducts()) heat->shareConducted(rows);
@@ -353,7 +353,7 @@ template <int D> void Ground<D>::Parts::seep(const StepContext<D>& step)
 	if (!waterRests)
 		passes.scatter(
 		        passes.seepage, [&](const WeightBlock<D>& w) { water->seep(w, step.dt, liquidDensity(), enthalpyModel()); },
-		        [&](SharedRows& rows) { rows.nodes(water->exchange); });
+		        [&](HaloExchange& rows) { rows.nodes(water->exchange); });
 	overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
 		water->drain(step, patch, boundary.recharges(), liquid(), heat ? &heat->mapped : nullptr);
 	});
@@ -392,12 +392,12 @@ template <int D> void Ground<D>::Parts::findImplicitPressure(const StepContext<D
 
 template <int D> void Ground<D>::Parts::gatherFromGrid(const StepContext<D>& step)
 {
-	const bool average = averaging(), inRecordOfWater = conducts() && water && NodeColumns<D>::Gathered::carriesRise,
-	           inRecordOfMotion = conducts() && motion && NodeColumns<D>::Solved::carriesRise;
+	const bool average = averaging(), inRecordOfWater = conducts() && water && NodeColumns<D>::Gathered::carriesIncrement,
+	           inRecordOfMotion = conducts() && motion && NodeColumns<D>::Solved::carriesIncrement;
 	if (average) cells->clearSums(step.halo);
 	passes.inBlocks(
 	        passes.toPoints,
-	        [&](SharedRows& rows) {
+	        [&](HaloExchange& rows) {
 		        if (!average) return;
 		        cells->shareSums(rows);
 		        if (water) water->shareCells(rows);
@@ -427,7 +427,7 @@ template <int D> void Ground<D>::Parts::checkPositions(const StepContext<D>& ste
 	const unsigned     onAny = step.onAnyRank((found.strayed || clock.sortWanted ? sort : 0) | (found.outside.empty() ? 0 : leave));
 	clock.sortWanted         = (onAny & sort) != 0;
 	if (!(onAny & leave)) return;
-	const ConcernedPoints all    = concernedPoints(*points, found.outside, clock.steps, step.bands);
+	const ConcernedPoints all    = concernedPoints(*points, found.outside, clock.steps, step.slabs);
 	const bool            number = all.finite;
 	throw std::runtime_error(
 	        all.first + (number ? " left the grid's box" : " is not a number: the run became unstable") + " (points concerned: " + all.names + ", ...); "
@@ -444,10 +444,10 @@ template <int D> void Ground<D>::Parts::segregate(const StepContext<D>& step)
 	segregation->book(step.owned, *water, ledger);
 }
 
-template <int D> void Ground<D>::Parts::levelCells(const StepContext<D>& step)
+template <int D> void Ground<D>::Parts::stabiliseCells(const StepContext<D>& step)
 {
 	if (implicit) implicit->exchange(step, *water, liquid());
-	else if (content->iceMass) water->levelCells(step, *cells, motion->settings->gravity, liquid());
+	else if (content->iceMass) water->stabiliseCells(step, *cells, motion->settings->gravity, liquid());
 	water->finishCells(step);
 }
 
@@ -455,8 +455,8 @@ template <int D> void Ground<D>::Parts::levelCells(const StepContext<D>& step)
 template <int D> void Ground<D>::Parts::updatePoints(const StepContext<D>& step)
 {
 	using Sample = CostMeter::Sample;
-	std::function<void(SharedRows&)> share;
-	if (exchangingCells()) share = [this](SharedRows& rows) { water->shareCells(rows); };
+	std::function<void(HaloExchange&)> share;
+	if (exchangingCells()) share = [this](HaloExchange& rows) { water->shareCells(rows); };
 	passes.inStrips(
 	        share,
 	        PassPart { exchangingCells() != nullptr, CostMeter::water,
@@ -527,7 +527,7 @@ template <int D> void Ground<D>::Parts::findCellPressure(const StepContext<D>& s
 	if (implicit) implicit->givePressure(step.owned, *water);
 	step.strips.gather([&](int, int first, int last) {
 		water->shareCellPressure(*cells, first, last);
-		if (content->iceMass) water->levelPoints(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr, liquidDensity());
+		if (content->iceMass) water->stabilisePoints(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr, liquidDensity());
 	});
 }
 
@@ -604,7 +604,7 @@ template <int D> void Ground<D>::Parts::restoreStrainOfGround()
 	thawStrain->restoreGradients(motion->gradient);
 }
 
-template <int D> void Ground<D>::Parts::bookStep() { clock.account.add(ledger.sum(ranks.bands())); }
+template <int D> void Ground<D>::Parts::bookStep() { clock.account.add(ledger.sum(ranks.slabs())); }
 
 template <int D> void Ground<D>::Parts::advanceClock()
 {

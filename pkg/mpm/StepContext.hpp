@@ -22,7 +22,7 @@ template <int D> struct StepContext {
 	const ActiveRange& owned;  ///< rows of nodes and cells that the points of this rank touch
 	const ActiveRange& halo;   ///< the same rows and those of the neighbours that are needed to solve there
 	const Strips&      strips; ///< points of this rank, and the threads that work on them
-	Bands*             bands;  ///< the ranks that divide the ground; null: there is one
+	SlabDecomposition* slabs;  ///< the ranks that divide the ground; null: there is one
 	StepLedger<D>&     ledger; ///< what the step adds to the accounts
 
 	/// work(account, firstPoint, lastPoint) for all strips.
@@ -34,13 +34,13 @@ template <int D> struct StepContext {
 	/// The first words that any rank has; empty if none has. Collective.
 	std::string firstWords(const std::string& own) const
 	{
-		if (bands)
-			for (const std::string& words : bands->say(own))
+		if (slabs)
+			for (const std::string& words : slabs->say(own))
 				if (!words.empty()) return words;
 		return own;
 	}
 	/// Bits that any rank sets; collective.
-	unsigned onAnyRank(unsigned bits) const { return bands ? bands->anyOf(bits) : bits; }
+	unsigned onAnyRank(unsigned bits) const { return slabs ? slabs->anyOf(bits) : bits; }
 };
 
 } // namespace talik

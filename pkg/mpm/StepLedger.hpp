@@ -79,13 +79,13 @@ public:
 	/// May be called by several threads, for different strips.
 	StepAccount<D>& ofStrip(int strip) { return pairs_[2 * strip + 1]; }
 
-	/// Sum over all strips; bands: collective.
-	StepAccount<D> sum(Bands* bands)
+	/// Sum over all strips; slabs: collective.
+	StepAccount<D> sum(SlabDecomposition* slabs)
 	{
 		byStrip_.assign(strips_, {});
 		for (std::size_t k = 0; k < pairs_.size(); ++k)
 			byStrip_[std::clamp((int(k) - 1) / 2, 0, strips_ - 1)] += pairs_[k];
-		if (bands) bands->shareByStrip(byStrip_.data());
+		if (slabs) slabs->shareByStrip(byStrip_.data());
 		StepAccount<D> all;
 		for (const StepAccount<D>& strip : byStrip_)
 			all += strip;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/ranks/RankTalk.hpp>
+#include <pkg/ranks/Communicator.hpp>
 
 #ifndef TALIK_WITHOUT_MPI
 #include <algorithm>
@@ -174,21 +174,21 @@ std::shared_ptr<Ranks> joinRanks()
 #endif
 
 namespace {
-	std::shared_ptr<RankTalk>& jobTalkNow()
+	std::shared_ptr<Communicator>& jobCommunicatorNow()
 	{
-		static auto* const talk = new std::shared_ptr<RankTalk>; // outlives grounds that Python lets go at its end
-		return *talk;
+		static auto* const communicator = new std::shared_ptr<Communicator>; // outlives grounds that Python lets go at its end
+		return *communicator;
 	}
 } // namespace
 
-const std::shared_ptr<RankTalk>& jobTalk() { return jobTalkNow(); }
+const std::shared_ptr<Communicator>& jobCommunicator() { return jobCommunicatorNow(); }
 
 void openJobTalk()
 {
-	if (jobTalkNow()) return;
-	if (const auto ranks = joinRanks()) jobTalkNow() = std::make_shared<RankTalk>(ranks);
+	if (jobCommunicatorNow()) return;
+	if (const auto ranks = joinRanks()) jobCommunicatorNow() = std::make_shared<Communicator>(ranks);
 }
 
-bool isFirstRank() { return !jobTalk() || jobTalk()->rank() == 0; }
+bool isFirstRank() { return !jobCommunicator() || jobCommunicator()->rank() == 0; }
 
 } // namespace talik

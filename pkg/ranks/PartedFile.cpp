@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/ranks/Communicator.hpp>
 #include <pkg/ranks/PartedFile.hpp>
-#include <pkg/ranks/RankTalk.hpp>
 
 #include <boost/crc.hpp>
 #include <cerrno>
@@ -66,9 +66,9 @@ std::string partWritten(const std::function<void(PartSum&)>& write)
 	return "." + std::to_string(sum.value());
 }
 
-std::uint64_t sumOfParts(RankTalk& talk, int answerer, const std::string& order)
+std::uint64_t sumOfParts(Communicator& communicator, int answerer, const std::string& order)
 {
-	const auto answers = talk.order(answerer, order);
+	const auto answers = communicator.order(answerer, order);
 	PartSum    sum;
 	for (std::size_t rank = 0; rank < answers.size(); ++rank) {
 		if (answers[rank][0] == '!') throw std::runtime_error(answers[rank].substr(1) + " on rank " + std::to_string(rank));

@@ -7,7 +7,7 @@
 
 namespace talik {
 
-class RankTalk;
+class Communicator;
 
 /// Where a part of a file begins, and where the file will end, counted from its first byte.
 struct FilePlace {
@@ -63,6 +63,6 @@ private:
 /// What a rank says that has written its part, or could not.
 std::string partWritten(const std::function<void(PartSum&)>& write);
 /// Orders the answerers of all ranks to write their parts, each of which says partWritten(). Throws std::runtime_error with rank and reason.
-std::uint64_t sumOfParts(RankTalk& talk, int answerer, const std::string& order);
+std::uint64_t sumOfParts(Communicator& communicator, int answerer, const std::string& order);
 
 } // namespace talik

@@ -3,7 +3,7 @@
 // ones, as the ground asks them. Where bits differ nothing is compared.
 #include "packedStarts.hpp"
 
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 
@@ -105,7 +105,7 @@ int main(int count, char** words)
 	const auto        more    = packedStarts::tiled<2>(discs, { 2, 1, 1 });
 	const auto        many    = packedStarts::tiled<3>(spheres, { 2, 2, 2 });
 	bool              same    = true;
-	std::printf("{\"device\": \"%s\", \"threads\": %d, \"rows\": [\n", device->name().c_str(), ThreadTeam::threads());
+	std::printf("{\"device\": \"%s\", \"threads\": %d, \"rows\": [\n", device->name().c_str(), ThreadPool::threads());
 	for (const char* at = words[2]; *at;) {
 		char*             end;
 		const std::size_t samples = std::strtoul(at, &end, 10);

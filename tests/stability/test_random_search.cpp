@@ -189,17 +189,17 @@ TEST(RandomSearch, WaterThatPercolatesThroughAFewRowsOfPointsSpendsNoMoreThanGra
 	expectSmall("water that percolates through a few rows, space, seed 21: energy from nowhere", energyCreated<3>(21, true), 1e-3);
 }
 
-/// Found by the search (seed 165) when seepage was hastened: where water flows along a thaw front, the thawed side, which holds more of it, was
+/// Found by the search (seed 165) when seepage was accelerated: where water flows along a thaw front, the thawed side, which holds more of it, was
 /// taken to slide, and what the front then did to that slip drove the flow.
 TEST(RandomSearch, HastenedWaterThatFlowsAlongAThawFrontIsNoSlipAndMakesNoEnergy)
 {
 	RandomScene<2> scene(165, true);
 	scene.start();
 	EXPECT_GT(scene.ground->seepageScale(), 100.0);
-	expectSmall("hastened water along a thaw front: energy from nowhere", energyCreated(scene), 1e-3);
+	expectSmall("accelerated water along a thaw front: energy from nowhere", energyCreated(scene), 1e-3);
 }
 
-/// Found by the search (plane, seed 900530): liquid whose drag is weak, because its seepage is hastened four millionfold, jumped with the solid of
+/// Found by the search (plane, seed 900530): liquid whose drag is weak, because its seepage is accelerated four millionfold, jumped with the solid of
 /// its side. Its flow did work on the jump that nobody gave, 0.2 of all that was turned over.
 TEST(RandomSearch, LiquidThatDragDoesNotHoldFlowsOnWhenTheSidesOfAThawFrontJump)
 {

@@ -49,7 +49,7 @@ template <int D> void addWalls(GroundSettings<D>& s)
 
 /// A slope that slides along the grid's longest axis, so that points cross strips; with heat it is warmed from above and from a wall, with
 /// water it drains and is rained on.
-template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std::shared_ptr<RankTalk>& talk)
+template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std::shared_ptr<Communicator>& communicator)
 {
 	constexpr double  h = 0.1, day = 86400.0;
 	GroundSettings<D> s;
@@ -125,7 +125,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 		for (a = 0; a < D && ++i[a] == n[a]; ++a)
 			i[a] = 0;
 	}
-	if (talk) ground->distribute(talk);
+	if (communicator) ground->distribute(communicator);
 	ground->initialise();
 	if (!scene.bodies) return ground;
 	RigidBody<D> ball;

@@ -90,7 +90,7 @@ public:
 				loops.seep(weights_, s);
 			});
 		double                       rise[blockSize] {};
-		typename Loops::MotionGather m { records_.data(), {}, {}, {}, {}, 0.97, 0.1, Columns::Solved::carriesRise ? rise : nullptr };
+		typename Loops::MotionGather m { records_.data(), {}, {}, {}, {}, 0.97, 0.1, Columns::Solved::carriesIncrement ? rise : nullptr };
 		for (int a = 0; a < D; ++a) {
 			m.velocity[a]     = at(7 + a);
 			m.position[a]     = at(10 + a);
@@ -138,7 +138,7 @@ public:
 		map(typename Columns::Frozen(), loops.mapFrozen);
 		map(typename Columns::Thawed(), loops.mapThawed);
 		map(typename Columns::Pores(), loops.mapPores);
-		const typename Loops::template SomeRecords<const double> some { slot.data(), records_.data(), size };
+		const typename Loops::template SparseRecords<const double> some { slot.data(), records_.data(), size };
 		for (int k = 0; k < count; ++k) {
 			typename Loops::FrontSums sums {};
 			const auto                keepSums = [&] { keep(reinterpret_cast<const double*>(&sums), sizeof(sums) / sizeof(double)); };

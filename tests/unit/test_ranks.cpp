@@ -10,10 +10,10 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <numeric>
-#include <pkg/multiscale/samples/BandStore.hpp>
 #include <pkg/multiscale/samples/DistributedStore.hpp>
 #include <pkg/multiscale/samples/PackedStore.hpp>
 #include <pkg/multiscale/samples/SampleStore.hpp>
+#include <pkg/multiscale/samples/SlabStore.hpp>
 
 using namespace talik;
 using packedSpheres::Matrix;
@@ -83,9 +83,9 @@ TEST(Ranks, SamplesThatAreSharedOutAndMovedHaveTheBitsOfOneRank)
 	const History one = follow(*packedStore(), 70);
 	for (const int ranks : { 2, 3 }) {
 		auto all = std::vector<History>(std::size_t(ranks));
-		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
-			DistributedStore<3> store(packedStore(), talk);
-			all[std::size_t(talk->rank())] = follow(store, 70);
+		asRanks(ranks, [&](const std::shared_ptr<Communicator>& communicator) {
+			DistributedStore<3> store(packedStore(), communicator);
+			all[std::size_t(communicator->rank())] = follow(store, 70);
 		});
 		std::uint64_t owned = 0;
 		for (const auto& history : all) {
@@ -121,8 +121,8 @@ TEST(Ranks, SamplesSavedByOneNumberOfRanksGoOnWithAnother)
 	};
 	const std::string alone = goOn(*packedStore());
 	for (const int ranks : { 2, 3 })
-		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
-			DistributedStore<3> store(packedStore(), talk);
+		asRanks(ranks, [&](const std::shared_ptr<Communicator>& communicator) {
+			DistributedStore<3> store(packedStore(), communicator);
 			EXPECT_TRUE(goOn(store) == alone);
 		});
 	std::printf("%zu bytes after ten more updates\n", alone.size());
@@ -133,27 +133,27 @@ namespace {
 
 /// Updates of the samples of one rank whose points go from rank to rank every seventh turn; on one rank, of all.
 struct InBands {
-	explicit InBands(std::shared_ptr<RankTalk> others)
-	        : talk(std::move(others))
+	explicit InBands(std::shared_ptr<Communicator> others)
+	        : communicator(std::move(others))
 	{}
 	void prepare(SampleStoreOf<3>& store) const
 	{
 		for (int s = 0; s < samples; ++s)
 			store.add(0, 0.3, {});
-		if (talk) static_cast<BandStore<3>&>(store).own(owners(0));
+		if (communicator) static_cast<SlabStore<3>&>(store).own(owners(0));
 	}
 	void follow(SampleStoreOf<3>& store, int from, int to, std::vector<double>& numbers) const
 	{
 		for (int turn = from; turn < to; ++turn) {
 			auto        requests = requestsOf(turn);
-			auto* const bands    = talk ? static_cast<BandStore<3>*>(&store) : nullptr;
-			if (bands) {
-				if (turn % 7 == 0) bands->deal(owners(turn / 7));
-				bands->beginStep();
+			auto* const slabs    = communicator ? static_cast<SlabStore<3>*>(&store) : nullptr;
+			if (slabs) {
+				if (turn % 7 == 0) slabs->deal(owners(turn / 7));
+				slabs->beginStep();
 				requests.erase(
 				        std::remove_if(
 				                requests.begin(), requests.end(),
-				                [&](const auto& request) { return owners(turn / 7)[request.sample] != talk->rank(); }),
+				                [&](const auto& request) { return owners(turn / 7)[request.sample] != communicator->rank(); }),
 				        requests.end());
 			}
 			store.update(requests, {}, 1);
@@ -161,17 +161,17 @@ struct InBands {
 			for (const auto& row : store.measureAll("fabric"))
 				numbers.insert(numbers.end(), row.begin(), row.end());
 			numbers.push_back(store.measure(std::size_t(turn / 5 % samples), "coordinationNumber")[0]);
-			if (talk) talk->meet("all have looked");
+			if (communicator) communicator->meet("all have looked");
 		}
 	}
 	std::vector<int> owners(int time) const
 	{
 		std::vector<int> ownerOf;
 		for (int s = 0; s < samples; ++s)
-			ownerOf.push_back((s + time * (1 + s % 2)) / 3 % talk->count());
+			ownerOf.push_back((s + time * (1 + s % 2)) / 3 % communicator->count());
 		return ownerOf;
 	}
-	std::shared_ptr<RankTalk> talk;
+	std::shared_ptr<Communicator> communicator;
 };
 
 /// The states of all samples in a file: one rank plans it, and each writes its own. Returns the bytes where their sum is what it says, else nothing.
@@ -214,33 +214,33 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 	for (const int ranks : { 2, 3 }) {
 		std::vector<int>           same(std::size_t(ranks), 0);
 		std::vector<std::uint64_t> owned(same.size()), moved(same.size());
-		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
-			const InBands       banded(talk);
-			BandStore<3>        store(packedStore(), talk);
+		asRanks(ranks, [&](const std::shared_ptr<Communicator>& communicator) {
+			const InBands       banded(communicator);
+			SlabStore<3>        store(packedStore(), communicator);
 			std::vector<double> numbers, later;
 			banded.prepare(store);
 			banded.follow(store, 0, 60, numbers);
 			const bool halfSame = savedBy(store) == half;
 			const auto store60  = store.layout();
 			const auto ofRanks  = file + std::to_string(ranks);
-			const bool fileSame = talk->rank() != 1 || writtenBy(store, ofRanks) == inFile;
-			talk->meet("rank 1 has planned the file, and all have written it");
+			const bool fileSame = communicator->rank() != 1 || writtenBy(store, ofRanks) == inFile;
+			communicator->meet("rank 1 has planned the file, and all have written it");
 			banded.follow(store, 60, 80, later);
 			const bool wholeSame = savedBy(store) == whole;
 
-			BandStore<3> resumed(packedStore(), talk); // by each rank what is its own
+			SlabStore<3> resumed(packedStore(), communicator); // by each rank what is its own
 			banded.prepare(resumed);
 			resumed.own(banded.owners(60 / 7));
 			ByteReader reader(half);
 			resumed.restore(reader);
 			std::vector<double> again, fromFile;
 			banded.follow(resumed, 60, 80, again);
-			BandStore<3> read(packedStore(), talk);
+			SlabStore<3> read(packedStore(), communicator);
 			banded.prepare(read);
 			read.own(banded.owners(60 / 7));
 			read.restore(store60, PartedFile(ofRanks, PartedFile::For::reading), 8);
 			banded.follow(read, 60, 80, fromFile);
-			const auto rank = std::size_t(talk->rank());
+			const auto rank = std::size_t(communicator->rank());
 			same[rank]      = halfSame + 2 * wholeSame + 4 * (numbers == wanted) + 8 * (later == wantedLater) + 16 * (again == wantedLater)
 			        + 32 * (savedBy(resumed) == whole) + 64 * fileSame + 128 * (fromFile == wantedLater);
 			owned[rank] = store.sharing()->samples;
@@ -277,21 +277,21 @@ TEST(Ranks, PartsOfAFileInAnyOrderHaveTheChecksumOfTheWhole)
 TEST(Ranks, ARankThatLooksBeforeAllReplaceASampleSeesItAsItWas)
 {
 	std::vector<double> before(2, -1), wanted(2, -2);
-	asRanks(2, [&](const std::shared_ptr<RankTalk>& talk) {
-		const InBands       banded(talk);
-		BandStore<3>        store(packedStore(), talk);
+	asRanks(2, [&](const std::shared_ptr<Communicator>& communicator) {
+		const InBands       banded(communicator);
+		SlabStore<3>        store(packedStore(), communicator);
 		std::vector<double> numbers;
 		banded.prepare(store);
 		banded.follow(store, 0, 9, numbers);
 		const std::size_t sample = 8; // of rank 1
 		const auto        look   = [&] { return store.measure(sample, "coordinationNumber")[0] + store.measure(sample, "fabric")[0]; };
-		if (talk->rank() == 1) wanted[1] = look();
-		talk->meet("rank 1 has looked alone");
-		if (talk->rank() == 0) before[0] = look();
+		if (communicator->rank() == 1) wanted[1] = look();
+		communicator->meet("rank 1 has looked alone");
+		if (communicator->rank() == 0) before[0] = look();
 		store.beforeReplacing(sample);
 		store.release(sample);
 		store.replaced(sample);
-		talk->meet("the end");
+		communicator->meet("the end");
 	});
 	std::printf("rank 0 saw %.6f, and rank 1 before %.6f\n", before[0], wanted[1]);
 	EXPECT_EQ(before[0], wanted[1]);
@@ -300,17 +300,17 @@ TEST(Ranks, ARankThatLooksBeforeAllReplaceASampleSeesItAsItWas)
 TEST(Ranks, ARankThatAsksForWhatAnotherHasDroppedIsToldSo)
 {
 	std::string said;
-	asRanks(2, [&](const std::shared_ptr<RankTalk>& talk) {
-		const InBands banded(talk);
-		auto          store = std::make_unique<BandStore<3>>(packedStore(), talk);
+	asRanks(2, [&](const std::shared_ptr<Communicator>& communicator) {
+		const InBands banded(communicator);
+		auto          store = std::make_unique<SlabStore<3>>(packedStore(), communicator);
 		banded.prepare(*store);
-		if (talk->rank() == 1) store.reset();
+		if (communicator->rank() == 1) store.reset();
 		else try {
 				store->measureAll("fabric");
 			} catch (const std::runtime_error& problem) {
 				said = problem.what();
 			}
-		talk->meet("the end");
+		communicator->meet("the end");
 	});
 	std::printf("%s\n", said.c_str());
 	EXPECT_NE(said.find("rank 1 has dropped"), std::string::npos);
@@ -319,18 +319,18 @@ TEST(Ranks, ARankThatAsksForWhatAnotherHasDroppedIsToldSo)
 TEST(Ranks, ARankMayAskWhileTheOthersGoOn)
 {
 	int answered = 0;
-	asRanks(3, [&](const std::shared_ptr<RankTalk>& talk) {
+	asRanks(3, [&](const std::shared_ptr<Communicator>& communicator) {
 		PackedUpdateOptions options;
-		DistributedStore<3> store(packedStore(), talk);
+		DistributedStore<3> store(packedStore(), communicator);
 		for (int s = 0; s < samples; ++s)
 			store.add(0, 0.3, options);
 		for (int turn = 0; turn < 6; ++turn) {
 			store.update(requestsOf(4 * turn), options, 1);
-			if (talk->rank() != turn % 3) continue;
+			if (communicator->rank() != turn % 3) continue;
 			const auto rows = store.measureAll("bondsIntact");
-			if (talk->rank() == 0) answered += rows.size() == samples && rows[8] == store.measure(8, "bondsIntact");
+			if (communicator->rank() == 0) answered += rows.size() == samples && rows[8] == store.measure(8, "bondsIntact");
 		}
-		talk->meet("the end");
+		communicator->meet("the end");
 	});
 	std::printf("rank 0 asked twice and was answered %d times while the others were on their way\n", answered);
 	EXPECT_EQ(answered, 2);
@@ -339,16 +339,16 @@ TEST(Ranks, ARankMayAskWhileTheOthersGoOn)
 TEST(Ranks, ARankWithAnotherGroundAndOneAtAnotherPlaceAreNamedOnAllRanks)
 {
 	std::vector<std::string> said(6);
-	asRanks(3, [&](const std::shared_ptr<RankTalk>& talk) {
+	asRanks(3, [&](const std::shared_ptr<Communicator>& communicator) {
 		const auto attempt = [&](std::size_t first, auto&& meeting) {
 			try {
 				meeting();
 			} catch (const std::runtime_error& problem) {
-				said[first + std::size_t(talk->rank())] = problem.what();
+				said[first + std::size_t(communicator->rank())] = problem.what();
 			}
 		};
-		attempt(0, [&] { talk->meet("update 7", talk->rank() == 2 ? 5 : 4); });
-		attempt(3, [&] { talk->meet(talk->rank() == 1 ? "the end" : "update 8"); });
+		attempt(0, [&] { communicator->meet("update 7", communicator->rank() == 2 ? 5 : 4); });
+		attempt(3, [&] { communicator->meet(communicator->rank() == 1 ? "the end" : "update 8"); });
 	});
 	std::printf("%s\n%s\n", said[0].c_str(), said[3].c_str());
 	for (int k : { 1, 2 })
@@ -363,9 +363,9 @@ TEST(Ranks, ARankWithAnotherGroundAndOneAtAnotherPlaceAreNamedOnAllRanks)
 TEST(Ranks, AnUpdateThatFailsOnOneRankFailsOnAllWithTheSameSentence)
 {
 	std::vector<std::string> said(3);
-	asRanks(3, [&](const std::shared_ptr<RankTalk>& talk) {
+	asRanks(3, [&](const std::shared_ptr<Communicator>& communicator) {
 		PackedUpdateOptions options;
-		DistributedStore<3> store(packedStore(), talk);
+		DistributedStore<3> store(packedStore(), communicator);
 		for (int s = 0; s < samples; ++s)
 			store.add(0, 0.3, options);
 		auto requests             = requestsOf(0);
@@ -373,7 +373,7 @@ TEST(Ranks, AnUpdateThatFailsOnOneRankFailsOnAllWithTheSameSentence)
 		try {
 			store.update(requests, options, 1);
 		} catch (const std::runtime_error& problem) {
-			said[std::size_t(talk->rank())] = problem.what();
+			said[std::size_t(communicator->rank())] = problem.what();
 		}
 	});
 	std::printf("%s\n", said[0].c_str());
@@ -390,7 +390,7 @@ TEST(Ranks, ADealEvensTheCostAndMovesAsLittleAsItMay)
 		cost.push_back(1 + (k * 37 % 101) / 10.);
 		owner.push_back(k % 8 < 5 ? 0 : k % 8 - 4);
 	}
-	const auto          next = dealtAgain(cost, owner, 4);
+	const auto          next = rebalanced(cost, owner, 4);
 	std::vector<double> load(4, 0.), before(4, 0.);
 	double              moved = 0;
 	for (std::size_t k = 0; k < cost.size(); ++k) {
@@ -403,5 +403,5 @@ TEST(Ranks, ADealEvensTheCostAndMovesAsLittleAsItMay)
 	std::printf("largest over mean cost: %.3f before, %.3f after; %.2f of the excess was moved\n", before[0] / mean, largest, moved / excess);
 	EXPECT_LE(largest, 1.02);
 	EXPECT_LE(moved, 1.05 * excess);
-	EXPECT_EQ(dealtAgain(cost, next, 4), next);
+	EXPECT_EQ(rebalanced(cost, next, 4), next);
 }

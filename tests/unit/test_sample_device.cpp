@@ -346,11 +346,11 @@ TEST(SampleDevice, ranksThatShareOutSamplesAndHaveADeviceEachHaveTheBitsOfThePro
 	EXPECT_TRUE(follow(*alone) == one);
 	std::vector<std::vector<double>> ofRanks(2);
 	std::vector<std::size_t>         done(2);
-	asRanks(2, [&](const std::shared_ptr<RankTalk>& talk) {
+	asRanks(2, [&](const std::shared_ptr<Communicator>& communicator) {
 		const auto          held = store(makeTwin());
-		DistributedStore<2> all(held, talk);
-		ofRanks[std::size_t(talk->rank())] = follow(all);
-		done[std::size_t(talk->rank())]    = held->deviceUse().done;
+		DistributedStore<2> all(held, communicator);
+		ofRanks[std::size_t(communicator->rank())] = follow(all);
+		done[std::size_t(communicator->rank())]    = held->deviceUse().done;
 	});
 	std::printf(
 	        "%zu numbers of one processor, of one device (%zu calls there) and of two ranks with one each (%zu and %zu)\n", one.size(),

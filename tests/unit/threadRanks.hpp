@@ -2,7 +2,7 @@
 #pragma once
 // Ranks that are threads of this process.
 
-#include <pkg/ranks/RankTalk.hpp>
+#include <pkg/ranks/Communicator.hpp>
 
 #include <condition_variable>
 #include <cstdlib>
@@ -71,13 +71,13 @@ private:
 	const int own;
 };
 
-/// Runs work(talk) as so many ranks.
+/// Runs work(communicator) as so many ranks.
 template <class Work> void asRanks(int ranks, Work&& work)
 {
 	Table                    table(ranks);
 	std::vector<std::thread> threads;
 	for (int r = 0; r < ranks; ++r)
-		threads.emplace_back([&, r] { work(std::make_shared<RankTalk>(std::make_shared<ThreadRanks>(table, r))); });
+		threads.emplace_back([&, r] { work(std::make_shared<Communicator>(std::make_shared<ThreadRanks>(table, r))); });
 	for (auto& thread : threads)
 		thread.join();
 }

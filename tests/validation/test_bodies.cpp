@@ -51,7 +51,7 @@ double moveBody(Ground<2>& ground, int axis, double path, double duration, doubl
 	return impulse / counted;
 }
 
-/// Means of a field over bands of the ground, added up over instants; bands count by the place of the points at the start.
+/// Means of a field over slabs of the ground, added up over instants; slabs count by the place of the points at the start.
 class PressureBands {
 public:
 	PressureBands(const Ground<2>& ground, int count, const std::function<double(double, double)>& bandOf)

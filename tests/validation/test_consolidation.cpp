@@ -383,7 +383,7 @@ TEST(Consolidation, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndNixo
 	}
 }
 
-// k and M of nature, heat and seepage hastened alike by the calendar: R = X/(2 sqrt(c_v t)) is that of the ground. Points that melt one
+// k and M of nature, heat and seepage accelerated alike by the calendar: R = X/(2 sqrt(c_v t)) is that of the ground. Points that melt one
 // by one send pulses of the overburden into the pressure of the two cells that they stand in: compared is the profile behind them, from
 // 0.5 to 0.8 of the thawed depth, its mean over the second half of that depth, led on to the front.
 TEST(Consolidation, ThawOfSiltInTheCalendarGivesTheExcessPressureAtTheFrontOfMorgensternAndNixon_slow)

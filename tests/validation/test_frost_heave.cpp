@@ -150,19 +150,20 @@ TEST(FrostHeave, ColumnFrozenLoadedUnloadedAndThawedReturnsToItsHeight)
 	s.motion.emplace();
 	s.motion->localDamping = 0.5;
 	s.heat.emplace();
-	constexpr double hastened = 2e7;
-	s.heat->thermalTimeScale  = hastened;
-	s.freezing                = makeFreezingCurve();
-	auto soil                 = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->young               = 1e7;
-	soil->youngFrozen         = 1e8;
-	soil->poisson             = 0.0;
+	constexpr double accelerated = 2e7;
+	s.heat->thermalTimeScale     = accelerated;
+	s.freezing                   = makeFreezingCurve();
+	auto soil                    = std::make_shared<MohrCoulombSkeleton<2>>();
+	soil->young                  = 1e7;
+	soil->youngFrozen            = 1e8;
+	soil->poisson                = 0.0;
 	soil->cohesion = soil->cohesionFrozen = 1e7;
 	soil->tensileStrength = soil->tensileStrengthFrozen = 1e7;
 	s.skeletons.push_back(soil);
-	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable({ 1.4 * hastened, 1.5 * hastened }, { -5.0, 5.0 }));
+	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable({ 1.4 * accelerated, 1.5 * accelerated }, { -5.0, 5.0 }));
 	addBoundary<Traction<2>>(
-	        s, Region<2>::freeSurface(), TimeTable({ 0.0, 0.6 * hastened, 0.7 * hastened, 1.0 * hastened, 1.1 * hastened }, { 0.0, 0.0, load, load, 0.0 }));
+	        s, Region<2>::freeSurface(),
+	        TimeTable({ 0.0, 0.6 * accelerated, 0.7 * accelerated, 1.0 * accelerated, 1.1 * accelerated }, { 0.0, 0.0, load, load, 0.0 }));
 	Ground<2> ground(s);
 	fillBox(ground, { 0.0, 0.0 }, { h, height }, [](PointInput<2>& p) { p.temperature = 1.0; });
 	ground.initialise();

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double hour = 3600.0;
 /// Conduction and seepage run as many times as fast, so that many hours pass in seconds of waves.
-constexpr double hastened = 2000.0;
+constexpr double accelerated = 2000.0;
 
 /// Ground between its left and right face, without motion unless water flows. Then the skeleton gives way by a thousandth, and
 /// storage and inertia of the water stay small against the time of thaw.
@@ -34,7 +34,7 @@ GroundSettings<2> channel(const FrozenInclusion& c, double h, double height, dou
 	s.mixture.ice        = { c.waterDensity, c.iceHeat * c.iceDensity / c.waterDensity, c.iceConductivity, 0.0 };
 	s.mixture.latentHeat = c.latentHeat * c.iceDensity / c.waterDensity;
 	s.heat.emplace();
-	s.heat->thermalTimeScale = hastened;
+	s.heat->thermalTimeScale = accelerated;
 	s.freezing               = makeFreezingCurve("gauss", { { "width", c.width }, { "residualSaturation", c.residual } });
 	addBoundary<WallTemperature<2>>(s, Region<2>::side("left"), c.warm);
 	if (c.headDifference == 0.0) return s;
@@ -46,12 +46,12 @@ GroundSettings<2> channel(const FrozenInclusion& c, double h, double height, dou
 	s.water->state.liquidBulkModulus            = stiffness;
 	s.water->state.iceBulkModulus               = stiffness;
 	s.water->state.cavitationPressure           = -1e4;
-	s.water->permeability.referenceConductivity = hastened * c.thawedConductivity();
+	s.water->permeability.referenceConductivity = accelerated * c.thawedConductivity();
 	s.water->permeability.referencePorosity     = c.porosity;
 	s.water->permeability.impedance             = c.impedance * c.porosity;
 	s.water->permeability.floor                 = c.smallestRelative;
 	s.water->hydraulicTimeScale                 = 1.0;
-	s.water->largestConductivity                = INFINITY; // hastened beyond what pressure at rest needs: water shall carry its heat
+	s.water->largestConductivity                = INFINITY; // accelerated beyond what pressure at rest needs: water shall carry its heat
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("left"), c.waterDensity * c.gravity * c.headDifference);
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("right"), 0.0);
 	return s;
@@ -69,7 +69,7 @@ Ground<2> started(const FrozenInclusion& c, const GroundSettings<2>& s, const st
 		p.pressure    = c.waterDensity * c.gravity * c.headDifference * (1.0 - p.position[0] / c.length);
 	});
 	ground.initialise();
-	if (s.water) std::fill_n(ground.points().fields().find("liquidVelocity", 0), ground.points().count(), hastened * darcyFlux(c) / c.porosity);
+	if (s.water) std::fill_n(ground.points().fields().find("liquidVelocity", 0), ground.points().count(), accelerated * darcyFlux(c) / c.porosity);
 	return ground;
 }
 
@@ -91,7 +91,7 @@ Melting melted(const FrozenInclusion& c, int cells, double end)
 	Ground<2>  ground = started(c, s, [&](double x, double y) { return c.frozenAtStart(x, y) ? c.cold : c.warm; });
 	Melting    result;
 	for (double hours = 0.5; hours <= end; hours += 0.5) {
-		marchTo(ground, hours * hour / hastened);
+		marchTo(ground, hours * hour / accelerated);
 		const auto ice = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume"), t = valuesOf(ground, "temperature");
 		double     frozen = 0.0;
 		for (std::size_t p = 0; p < ice.size(); ++p)
@@ -171,7 +171,7 @@ TEST(FrozenInclusion, WithoutFlowIsThawedByConductionInTheTimeOfTheFiniteVolumes
 
 // Drags add at a node, so that it lets water pass as its points in series do: right for flow through a front, but flow along ice sees it
 // wider, by as much as shape functions reach (with conductivities added instead, six cells across the inclusion miss 5 % after 12 h, not
-// 13 %). That error falls with h and is the largest of the validation; two grids tell where it goes to. The water's inertia, hastened as
+// 13 %). That error falls with h and is the largest of the validation; two grids tell where it goes to. The water's inertia, accelerated as
 // the rest is, holds 1 % of the ice.
 TEST(FrozenInclusion, InFlowingWaterIsThawedInTheTimeOfTheFiniteVolumesAsTheGridIsRefined_slow)
 {
@@ -213,7 +213,7 @@ TEST(FrozenInclusion, HeatCarriedAndConductedIntoThawedGroundFollowsOgataAndBank
 	Drawing      drawing("ogata_banks", "Heat carried into ground by seepage of 0.4 m/h", "distance [m]", "temperature [degC]");
 	for (const double hours : { 0.5, 1.0, 2.0 }) {
 		const double t = hours * hour;
-		marchTo(ground, t / hastened);
+		marchTo(ground, t / accelerated);
 		const auto exact = [&](double x) {
 			const double spread = 2.0 * std::sqrt(diffusivity * t);
 			return 0.5 * c.warm * (std::erfc((x - speed * t) / spread) + std::exp(speed * x / diffusivity) * std::erfc((x + speed * t) / spread));

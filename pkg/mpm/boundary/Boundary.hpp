@@ -226,9 +226,9 @@ public:
 	virtual double inflow(double) const { return 0.0; }
 	virtual double inflowTemperature() const { return std::numeric_limits<double>::quiet_NaN(); }
 
-	/// True if what it gives follows the state of each node: lookAt() comes before heat and loads in each step.
+	/// True if what it gives follows the state of each node: evaluate() comes before heat and loads in each step.
 	virtual bool usesNodes() const { return false; }
-	virtual void lookAt(const BoundaryNodes<D>&) {}
+	virtual void evaluate(const BoundaryNodes<D>&) {}
 	/// Of what came of it, where that may differ between ranks that see the same.
 	virtual std::uint64_t digest() const { return 0; }
 	/// What it gives to node k of its surface or volume.

@@ -23,7 +23,7 @@ public:
 		if (hasWeights()) std::fill(weights_.begin() + range.firstCell, weights_.begin() + range.lastCell, Weight {});
 	}
 	/// What addToCells() adds to, but for the sums of cells.
-	void share(SharedRows& rows)
+	void share(HaloExchange& rows)
 	{
 		if (hasWeights()) rows.cells(weights_.data());
 	}

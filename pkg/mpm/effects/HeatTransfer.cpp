@@ -36,7 +36,7 @@ template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Gri
 	for (int a = 0; a < D; ++a)
 		position_[a] = points.position(a);
 	nodes.allocate(grid.nodeCount());
-	for (NodeField<1>* field : { &capacity, &mapped, &nodal, &energy, &noise, &rise })
+	for (NodeField<1>* field : { &capacity, &mapped, &nodal, &energy, &nullSpaceResidual, &increment })
 		field->allocate(grid.nodeCount());
 }
 
@@ -45,7 +45,7 @@ template <int D> void HeatTransfer<D>::receiveInOneRecord(const Grid<D>& grid)
 	using Conducted = typename NodeColumns<D>::Conducted;
 	received_.allocate(grid.nodeCount());
 	received_.shareColumns(energy, Conducted::heat);
-	received_.shareColumns(noise, Conducted::unseen);
+	received_.shareColumns(nullSpaceResidual, Conducted::nullSpace);
 }
 
 template <int D> void HeatTransfer<D>::chooseSmoothing(const Grid<D>& grid, int points)
@@ -213,12 +213,12 @@ template <int D> void HeatTransfer<D>::nodalTemperature(const StepContext<D>& st
 	const ActiveRange& range = step.halo;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
-			const double* r = nodes[i];
-			capacity[i][0]  = r[0];
-			nodal[i][0]     = r[0] > 0.0 ? r[1] / r[0] : 0.0;
-			mapped[i][0]    = reference + nodal[i][0];
-			energy[i][0]    = 0.0;
-			noise[i][0]     = 0.0;
+			const double* r         = nodes[i];
+			capacity[i][0]          = r[0];
+			nodal[i][0]             = r[0] > 0.0 ? r[1] / r[0] : 0.0;
+			mapped[i][0]            = reference + nodal[i][0];
+			energy[i][0]            = 0.0;
+			nullSpaceResidual[i][0] = 0.0;
 		}
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k)
@@ -325,16 +325,16 @@ template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, c
 	}
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
-			rise[i][0] = nodes[i][0] > 0.0 ? energy[i][0] / nodes[i][0] : 0.0;
+			increment[i][0] = nodes[i][0] > 0.0 ? energy[i][0] / nodes[i][0] : 0.0;
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
 		const int node = prescribed_[k].node;
-		if (range.holds(node) && nodes[node][0] > 0.0) rise[node][0] = expected_[k] - nodes[node][1] / nodes[node][0];
+		if (range.holds(node) && nodes[node][0] > 0.0) increment[node][0] = expected_[k] - nodes[node][1] / nodes[node][0];
 	}
 	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
-		if (n->ghost >= 0 && range.holds(n->node)) rise[n->ghost][0] = 2.0 * rise[n->node][0] - rise[n->inner][0];
+		if (n->ghost >= 0 && range.holds(n->node)) increment[n->ghost][0] = 2.0 * increment[n->node][0] - increment[n->inner][0];
 	for (int i : affected_)
-		if (range.holds(i)) ledger.ofNode(i).heatIn += capacity[i][0] * rise[i][0];
+		if (range.holds(i)) ledger.ofNode(i).heatIn += capacity[i][0] * increment[i][0];
 
 	// T + chi (1 - A)(B - 1) T, A = to the grid and back, B = A with wall temperatures kept: what the grid does not see decays,
 	// the gradient at a wall and the sum of C T stay
@@ -342,14 +342,14 @@ template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, c
 	const double chi = smoothed_;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
-			if (capacity[i][0] > 0.0) rise[i][0] += chi * (nodal[i][0] - noise[i][0] / capacity[i][0]);
+			if (capacity[i][0] > 0.0) increment[i][0] += chi * (nodal[i][0] - nullSpaceResidual[i][0] / capacity[i][0]);
 	});
 }
 
 template <int D> void HeatTransfer<D>::gather(const WeightBlock<D>& w, const double* gained)
 {
 	double sums[blockSize];
-	if (!gained) nodeLoops<D>().gatherNumber(w, rise[0], sums);
+	if (!gained) nodeLoops<D>().gatherNumber(w, increment[0], sums);
 	warm(w.first, w.count, gained ? gained : sums);
 }
 

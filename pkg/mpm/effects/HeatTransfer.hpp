@@ -23,7 +23,7 @@ public:
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
 	/// Its numbers are mapped along by motion, whose record holds them.
 	void carriedAlong() { carried_ = true; }
-	/// Where no water has a record for both, conducted heat and noise lie in one record of its own.
+	/// Where no water has a record for both, conducted heat and nullSpaceResidual lie in one record of its own.
 	void receiveInOneRecord(const Grid<D>& grid);
 	/// From now on it is known how cold walls and surfaces are, see outside.
 	void keepOutside(const Grid<D>& grid) { outside.allocate(grid.nodeCount()); }
@@ -55,7 +55,7 @@ public:
 	void keepOnly(int first, int last)
 	{
 		const auto keep = [&](auto&... fields) { (fields.keepOnly(first, last), ...); };
-		keep(nodes, capacity, mapped, nodal, energy, noise, rise, moments, volumes, received_, outside);
+		keep(nodes, capacity, mapped, nodal, energy, nullSpaceResidual, increment, moments, volumes, received_, outside);
 	}
 	/// Adds capacity weights and their heat of a block to the nodes, unless motion or water maps them along.
 	void map(const WeightBlock<D>& w);
@@ -66,17 +66,17 @@ public:
 	/// Conduction of a step as the loops over nodes see it.
 	typename NodeLoops<D>::HeatFlow flow(const StepContext<D>& step) const;
 	/// What map() adds to, but for records of motion or water.
-	void shareMapped(SharedRows& rows)
+	void shareMapped(HaloExchange& rows)
 	{
 		rows.nodes(nodes);
 		if (walls_) rows.nodes(moments);
 		if (!produced_.empty()) rows.nodes(volumes);
 	}
 	/// What conduct() adds to, but for records of water.
-	void shareConducted(SharedRows& rows)
+	void shareConducted(HaloExchange& rows)
 	{
 		rows.nodes(energy);
-		rows.nodes(noise);
+		rows.nodes(nullSpaceResidual);
 		rows.nodes(received_);
 	}
 	/// Adds the heat that conduction and sources bring to the nodes in the step.
@@ -85,10 +85,10 @@ public:
 	void produce(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 	/// Heat of a surface patch, implicit in the temperature of each node.
 	void exchange(const StepContext<D>& step, const Boundary<D>& boundary, const SurfacePatch<D>& patch, const FreeSurface<D>& surface);
-	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the rise of temperature
+	/// Prescribed temperatures replace the conduction residual of their nodes; afterwards nodes hold the increment of temperature
 	/// that points receive.
 	void finishNodes(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
-	/// Enthalpy of a block; gained: sum S rise of its points, if somebody has formed it already.
+	/// Enthalpy of a block; gained: sum S increment of its points, if somebody has formed it already.
 	void gather(const WeightBlock<D>& w, const double* gained = nullptr);
 
 	const HeatSettings* settings;
@@ -98,15 +98,15 @@ public:
 
 	double reference = 0.0; ///< T_r from which nodal temperatures count, but for mapped [degC]
 
-	NodeField<2> nodes;    ///< C, C (T - T_r); near walls those of the ground and its mirror image
-	NodeField<1> capacity; ///< C of the ground alone
-	NodeField<1> mapped;   ///< T_I from the points, absolute
-	NodeField<1> nodal;    ///< T_I - T_r whose gradient conducts: prescribed at walls
-	NodeField<1> energy;   ///< Delta E_I [J]
-	NodeField<1> noise;    ///< sum S C (T of the grid at the point - T of the point)
-	NodeField<1> rise;     ///< what points receive: Delta E_I/C_I and smoothing
-	NodeField<D> moments;  ///< sum S C x, in scenes with heated walls
-	NodeField<1> volumes;  ///< sum S V, in scenes with regions that produce heat
+	NodeField<2> nodes;             ///< C, C (T - T_r); near walls those of the ground and its mirror image
+	NodeField<1> capacity;          ///< C of the ground alone
+	NodeField<1> mapped;            ///< T_I from the points, absolute
+	NodeField<1> nodal;             ///< T_I - T_r whose gradient conducts: prescribed at walls
+	NodeField<1> energy;            ///< Delta E_I [J]
+	NodeField<1> nullSpaceResidual; ///< sum S C (T of the grid at the point - T of the point)
+	NodeField<1> increment;         ///< what points receive: Delta E_I/C_I and smoothing
+	NodeField<D> moments;           ///< sum S C x, in scenes with heated walls
+	NodeField<1> volumes;           ///< sum S V, in scenes with regions that produce heat
 	/// Of the surfaces and walls at a node in this step, for ice segregation: outward area vector, area, area times temperature of the surface
 	/// itself, heat that leaves [W of calendar time]; infinite where it is not known, at walls.
 	NodeField<D + 3> outside;
@@ -147,8 +147,8 @@ private:
 	std::vector<double>        wanted_;              ///< temperature of each prescribed node
 	std::vector<double>        expected_;            ///< mean temperature of the points around it that goes with this wall temperature
 	std::array<double*, D>     position_ {};
-	NodeField<2>               received_;       ///< energy and noise in one record, without water
-	double                     smoothed_ = 0.0; ///< part of the unseen differences that dies out in this step
+	NodeField<2>               received_;       ///< energy and nullSpaceResidual in one record, without water
+	double                     smoothed_ = 0.0; ///< part of the null-space differences that dies out in this step
 	bool                       walls_ = false, carried_ = false;
 };
 

@@ -76,7 +76,7 @@ void IceSegregation<D>::collect(
 			        c.soil = std::max(c.soil, double(material));
 		        }
 	        },
-	        [&](SharedRows& rows) {
+	        [&](HaloExchange& rows) {
 		        rows.beyond = true;
 		        rows.cells(cells_.data());
 	        });
@@ -297,7 +297,7 @@ template <int D> double IceSegregation<D>::heatBefore(const Grid<D>& grid, const
 
 /// Eq. (26.4).
 template <int D>
-typename IceSegregation<D>::Gift IceSegregation<D>::drawn(
+typename IceSegregation<D>::Flux IceSegregation<D>::drawn(
         const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const
 {
 	const int first = destination(grid, range, from, axis, side);
@@ -347,9 +347,9 @@ void IceSegregation<D>::draw(
 			if (!(c.volume > 0.0) || frozen(c)) continue;
 			for (int a = 0; a < D; ++a)
 				for (const int side : { -1, 1 }) {
-					const Gift gift             = drawn(grid, range, water, i, a, side, down, dt);
-					c.gifts[2 * a + (side > 0)] = gift;
-					c.lost += gift.mass;
+					const Flux flux              = drawn(grid, range, water, i, a, side, down, dt);
+					c.fluxes[2 * a + (side > 0)] = flux;
+					c.lost += flux.mass;
 				}
 		}
 	});
@@ -381,7 +381,7 @@ template <int D> void IceSegregation<D>::handOver(const ActiveRange& range, cons
 		const Vec<D> v = water.velocityOfCell(i);
 		const double e = water.enthalpyOfCell(i, enthalpy);
 		for (int k = 0; k < 2 * D; ++k) {
-			const auto [mass, to] = cells_[i].gifts[k];
+			const auto [mass, to] = cells_[i].fluxes[k];
 			if (!(mass > 0.0)) continue;
 			Cell& c = cells_[to];
 			c.mass += mass;

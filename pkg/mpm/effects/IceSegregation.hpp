@@ -58,7 +58,7 @@ public:
 
 private:
 	/// Water that leaves a cell [kg].
-	struct Gift {
+	struct Flux {
 		double mass;
 		int    to;
 	};
@@ -74,7 +74,7 @@ private:
 		double soil;                       ///< the largest number of its materials
 		bool   frozen;                     ///< so that it gives no water
 		double lost;                       ///< given away in the step [kg], and
-		Gift   gifts[2 * D];               ///< to whom, by axis and side
+		Flux   fluxes[2 * D];              ///< to whom, by axis and side
 		double mass, enthalpy, carried[D]; ///< given to it [kg, J, N s]
 		double opened;                     ///< by what is given to it, over its volume [-]
 		double across[D];                  ///< given along the axes [kg]
@@ -117,7 +117,7 @@ private:
 	/// That comes through the unfrozen ground to the front [W/m^2].
 	double heatBefore(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
 	/// Water that a cell gives in the step to the one with the lens: 0 unless a front lies beside it.
-	Gift drawn(
+	Flux drawn(
 	        const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const;
 	/// What cells give to others arrives there.
 	void handOver(const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy);

@@ -13,7 +13,7 @@ namespace {
 	constexpr double relativeResidual = 1e-2, smallestResidual = 1e-6;
 	constexpr int    mostIterations = 500, mostRounds = 4;
 	/// Of what the inertia of the ground lets a cell give way in a step, the share that alternating pressures store.
-	constexpr double unseenShare = 0.25;
+	constexpr double checkerboardPart = 0.25;
 	/// The way of water through a cell is as long at least as in one that is filled so far [-].
 	constexpr double leastFill = 0.1;
 } // namespace
@@ -457,7 +457,7 @@ template <int D> void ImplicitPressure<D>::forces(const ActiveRange& range, cons
 	const int four = Strips::rows * cellsOfRow_, begin = range.firstCell / four, end = (range.lastCell + four - 1) / four;
 	for (const int parity : { 0, 1 }) {
 		const int from = begin + (begin + parity) % 2;
-		ThreadTeam::run(std::max(0, (end - from + 1) / 2), range.parallel ? ThreadTeam::threads() : 1, [&](int k, int) {
+		ThreadPool::run(std::max(0, (end - from + 1) / 2), range.parallel ? ThreadPool::threads() : 1, [&](int k, int) {
 			const int at = (from + 2 * k) * four;
 			for (int c = std::max(range.firstCell, at); c < std::min(range.lastCell, at + four); ++c) {
 				if (x[c] == 0.0) continue;
@@ -514,7 +514,7 @@ template <int D> double ImplicitPressure<D>::hourglass(const Grid<D>& grid, int 
 }
 
 /// What a cell gives to others because pressures alternate [m^D].
-template <int D> double ImplicitPressure<D>::unseen(const Grid<D>& grid, int c, const double* x) const
+template <int D> double ImplicitPressure<D>::checkerboard(const Grid<D>& grid, int c, const double* x) const
 {
 	double sum = 0.0;
 	for (int a = 0; a < D; ++a)
@@ -526,7 +526,7 @@ template <int D> double ImplicitPressure<D>::unseen(const Grid<D>& grid, int c, 
 			if (behindB) sum -= hourglass(grid, c - sb, a, b, x);
 			if (behindA && behindB) sum += hourglass(grid, c - sa - sb, a, b, x);
 		}
-	return unseen_ * sum;
+	return checkerboard_ * sum;
 }
 
 template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y)
@@ -543,18 +543,19 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 	momentum.unfoldChanges(step.halo, moved_);
 	step.owned.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c)
-			y[c] = cells_[c].state == none ? 0.0
-			                               : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + seepage(grid, c, x)) + unseen(grid, c, x);
+			y[c] = cells_[c].state == none
+			        ? 0.0
+			        : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + seepage(grid, c, x)) + checkerboard(grid, c, x);
 	});
 }
 
 /// Values of cells that each rank has for those that its points touch become known as far as forces and flows of these reach.
 template <int D> void ImplicitPressure<D>::share(const StepContext<D>& step, PagedArray<double>& values) const
 {
-	if (!step.bands) return;
-	step.bands->shared().beyond = true;
-	step.bands->shared().cells(values.data());
-	step.bands->complete();
+	if (!step.slabs) return;
+	step.slabs->shared().beyond = true;
+	step.slabs->shared().cells(values.data());
+	step.slabs->complete();
 }
 
 template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
@@ -612,7 +613,7 @@ template <int D> void ImplicitPressure<D>::findDiagonal(const Grid<D>& grid, con
 				moved += faces_[a][c].conductance;
 				if (c >= grid.cellStride(a)) moved += faces_[a][c - grid.cellStride(a)].conductance;
 			}
-			diagonal_[c] = cell.compliance + dt * moved + 2 * D * (D - 1) * unseen_;
+			diagonal_[c] = cell.compliance + dt * moved + 2 * D * (D - 1) * checkerboard_;
 		}
 	});
 }
@@ -622,10 +623,10 @@ template <int D> template <class Work> double ImplicitPressure<D>::sumOfStrips(c
 {
 	const Strips& strips = step.strips;
 	partial_.assign(strips.count(), 0.0);
-	ThreadTeam::run(strips.end() - strips.begin(), strips.parallel ? ThreadTeam::threads() : 1, [&](int k, int) {
+	ThreadPool::run(strips.end() - strips.begin(), strips.parallel ? ThreadPool::threads() : 1, [&](int k, int) {
 		partial_[strips.begin() + k] = ofStrip(strips.begin() + k);
 	});
-	if (step.bands) step.bands->shareByStrip(partial_.data());
+	if (step.slabs) step.slabs->shareByStrip(partial_.data());
 	return std::accumulate(partial_.begin(), partial_.end(), 0.0);
 }
 
@@ -723,8 +724,8 @@ template <int D> void ImplicitPressure<D>::findMoved(const Grid<D>& grid, const 
 					const auto alternates = [&](int at) {
 						return a < b ? hourglass(grid, at, a, b, change_.data()) : hourglass(grid, at, b, a, change_.data());
 					};
-					f.moved += 0.5 * unseen_ * alternates(c);
-					if (placeOf(grid, c, b) > 0) f.moved -= 0.5 * unseen_ * alternates(c - grid.cellStride(b));
+					f.moved += 0.5 * checkerboard_ * alternates(c);
+					if (placeOf(grid, c, b) > 0) f.moved -= 0.5 * checkerboard_ * alternates(c - grid.cellStride(b));
 				}
 			}
 		}
@@ -738,7 +739,7 @@ void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& m
 	momentum.findResponse(step.halo, motion, water, dt, solid_, liquid_);
 	const double mass   = sumOfNodes(step, [&](int i) { return motion.nodes[i][motion.massAt] + water.nodes[i][PoreWater<D>::massAt]; });
 	const double volume = sumOfNodes(step, [&](int i) { return water.nodes[i][PoreWater<D>::volumeAt]; });
-	unseen_             = volume > 0.0 ? unseenShare * dt * dt * cellVolume_ / (spacing_ * spacing_ * mass / volume) : 0.0;
+	checkerboard_       = volume > 0.0 ? checkerboardPart * dt * dt * cellVolume_ / (spacing_ * spacing_ * mass / volume) : 0.0;
 	findResiduals(step, motion, water, liquidDensity);
 	findDiagonal(step.grid, step.owned, dt);
 	iterations_ = 0;

@@ -33,8 +33,8 @@ public:
 	/// Only nodes and cells of this part are used from now on; all others are zero and take no memory.
 	void keepOnly(const ActiveRange& range);
 	/// What points add to their cells in addContent() and in map().
-	void shareContent(SharedRows& rows) { rows.cells(cells_.data()); }
-	void shareLiquids(SharedRows& rows) { rows.cells(reinterpret_cast<std::array<double, corners>*>(liquids_.data())); }
+	void shareContent(HaloExchange& rows) { rows.cells(cells_.data()); }
+	void shareLiquids(HaloExchange& rows) { rows.cells(reinterpret_cast<std::array<double, corners>*>(liquids_.data())); }
 	/// What points bring to their cells; call within MaterialPoints::strips().scatter. temperature may be null.
 	void addContent(
 	        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water,
@@ -124,7 +124,7 @@ private:
 	void   apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y);
 	void   share(const StepContext<D>& step, PagedArray<double>& values) const;
 	double seepage(const Grid<D>& grid, int cell, const double* x) const;
-	double unseen(const Grid<D>& grid, int cell, const double* x) const;
+	double checkerboard(const Grid<D>& grid, int cell, const double* x) const;
 	double hourglass(const Grid<D>& grid, int cell, int a, int b, const double* x) const;
 	void   findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
 	void   findDiagonal(const Grid<D>& grid, const ActiveRange& range, double dt);
@@ -155,7 +155,7 @@ private:
 	std::vector<Vec<D>>              open_;    ///< direction in which water may leave at a node; the faces of a slope then have its area
 	std::vector<int>                 exposed_; ///< cells with a face without ground behind it
 	std::vector<double>              partial_;
-	double                           unseen_     = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
+	double                           checkerboard_ = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
 	double                           cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0;
 	int                              iterations_ = 0;
 };

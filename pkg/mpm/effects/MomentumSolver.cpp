@@ -224,7 +224,7 @@ template <int D> void MomentumSolver<D>::rememberFolded(int mirror, const SolidM
 	folded_.push_back(f);
 }
 
-template <int D> void MomentumSolver<D>::fold(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt)
+template <int D> void MomentumSolver<D>::applySymmetry(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt)
 {
 	using W = PoreWater<D>;
 	folded_.clear();
@@ -244,7 +244,7 @@ template <int D> void MomentumSolver<D>::fold(const ActiveRange& range, SolidMot
 		}
 		if (!water) continue;
 		if (!foldLiquid_[k]) {
-			foldSolidOnly(m, motion, *water, dt);
+			applySymmetryToSolid(m, motion, *water, dt);
 			continue;
 		}
 		double*      ghostLiquid = water->nodes[m.ghost];
@@ -264,7 +264,7 @@ template <int D> void MomentumSolver<D>::fold(const ActiveRange& range, SolidMot
 }
 
 template <int D>
-void MomentumSolver<D>::foldSolidOnly(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const
+void MomentumSolver<D>::applySymmetryToSolid(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const
 {
 	// The ghost's liquid stays free. Eliminating its acceleration leaves inertia and force on the solid that it is mirrored to:
 	// a_l = (f_f + dt Q a_s)/(M_l + dt Q) enters M_s a_s + M_l a_l = f_m.
@@ -556,7 +556,7 @@ void MomentumSolver<D>::solve(
 		for (const Load& load : loads_)
 			front->addLoad(load.node, motion.nodes[load.node][motion.massAt], load.force);
 	}
-	fold(range, motion, water, dt);
+	applySymmetry(range, motion, water, dt);
 	pushAhead(motion, water, dt);
 	if (water) {
 		damped ? solveTwoPhase<true>(range, motion, *water, dt) : solveTwoPhase<false>(range, motion, *water, dt);

@@ -118,9 +118,9 @@ private:
 		Vec<D> momentumLeft, force;
 		Vec<D> pushed; ///< force on the node in front, eq. (8.5) [N]
 	};
-	void                        rememberWalls(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water);
-	void                        fold(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt);
-	void                        foldSolidOnly(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
+	void rememberWalls(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water);
+	void applySymmetry(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt);
+	void applySymmetryToSolid(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
 	template <bool Damped> void solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt);
 	template <bool Damped> void solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt);
 	void                        rememberFolded(int mirror, const SolidMotion<D>& motion, const PoreWater<D>* water);

@@ -14,10 +14,10 @@ template <int D> struct NodeColumns {
 		static constexpr int  mass = 0, momentum = 1, force = 4, capacity = 6, heat = 7, size = 8;
 		static constexpr bool carriesHeat = plane;
 	};
-	/// SolidMotion::solved, what the points gather. In space rise is HeatTransfer::rise.
+	/// SolidMotion::solved, what the points gather. In space increment is HeatTransfer::increment.
 	struct Solved {
-		static constexpr int  change = 0, rise = D, velocity = plane ? D : 4, size = plane ? 4 : 8;
-		static constexpr bool carriesRise = !plane;
+		static constexpr int  change = 0, increment = D, velocity = plane ? D : 4, size = plane ? 4 : 8;
+		static constexpr bool carriesIncrement = !plane;
 	};
 	/// PoreWater::nodes, mapped from the points. In space capacity and heat are HeatTransfer::nodes.
 	struct Liquid {
@@ -29,13 +29,13 @@ template <int D> struct NodeColumns {
 	struct Driving {
 		static constexpr int pressure = 0, liquidFraction = 1, perLiquidMass = 2, temperature = 3, size = 4;
 	};
-	/// PoreWater::force, what the gradients do. heat and unseen are HeatTransfer::energy and noise.
+	/// PoreWater::force, what the gradients do. heat and nullSpace are HeatTransfer::energy and nullSpaceResidual.
 	struct Driven {
-		static constexpr int force = 0, heat = plane ? 2 : 4, unseen = heat + 1, size = plane ? 4 : 8;
+		static constexpr int force = 0, heat = plane ? 2 : 4, nullSpace = heat + 1, size = plane ? 4 : 8;
 	};
 	/// Record of HeatTransfer in ground without water.
 	struct Conducted {
-		static constexpr int heat = 0, unseen = 1, size = 2;
+		static constexpr int heat = 0, nullSpace = 1, size = 2;
 	};
 	/// FreeSurface::nodes, mapped from the points.
 	struct Surface {
@@ -45,11 +45,11 @@ template <int D> struct NodeColumns {
 	struct Flux {
 		static constexpr int size = plane ? 2 : 4;
 	};
-	/// PoreWater::exchange, what the points gather. velocity is PoreWater::solved, in the plane rise is HeatTransfer::rise.
+	/// PoreWater::exchange, what the points gather. velocity is PoreWater::solved, in the plane increment is HeatTransfer::increment.
 	struct Gathered {
 		static constexpr int  water = 0, enthalpy = 1, momentum = 2, exchange = 2 + D; ///< of seepage; first sums, then per liquid mass of the node
-		static constexpr int  velocity = exchange, rise = velocity + D, size = 8;
-		static constexpr bool carriesRise = plane;
+		static constexpr int  velocity = exchange, increment = velocity + D, size = 8;
+		static constexpr bool carriesIncrement = plane;
 	};
 
 	// Records of front nodes: what points of the frozen side bring, those of the thawed side, and their pores. The numbers from straight on

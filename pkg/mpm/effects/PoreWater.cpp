@@ -399,12 +399,12 @@ template <int D> void PoreWater<D>::take(int p, const double* share, double dilu
 }
 
 template <int D>
-void PoreWater<D>::gather(const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* rise)
+void PoreWater<D>::gather(const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, [[maybe_unused]] double* increment)
 {
 	double got[Gathered::size][blockSize];
 	nodeLoops<D>().gatherExchange(w, exchange[0], got);
-	if constexpr (Gathered::carriesRise)
-		if (rise) std::copy_n(got[Gathered::rise], w.count, rise);
+	if constexpr (Gathered::carriesIncrement)
+		if (increment) std::copy_n(got[Gathered::increment], w.count, increment);
 	for (int i = 0; i < D; ++i)
 		accelerate(i, w.first, w.count, got[Gathered::velocity + i]);
 	for (int k = 0; k < w.count; ++k) {
@@ -453,7 +453,7 @@ void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, cons
 	}
 }
 
-template <int D> double PoreWater<D>::unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const
+template <int D> double PoreWater<D>::checkerboardFlux(const Face* faces, int cell, int stride, bool first, bool last) const
 {
 	const Face& f = faces[cell];
 	if (!(f.conductance > 0.0)) return 0.0;
@@ -462,7 +462,7 @@ template <int D> double PoreWater<D>::unseenFlow(const Face* faces, int cell, in
 	return 0.5 * f.flow - 0.25 * (beside(first, cell - stride) + beside(last, cell + stride));
 }
 
-template <int D> void PoreWater<D>::levelCells(const StepContext<D>& step, const CellMeans<D>& cells, const Vec<D>& gravity, const LiquidOfGround& liquid)
+template <int D> void PoreWater<D>::stabiliseCells(const StepContext<D>& step, const CellMeans<D>& cells, const Vec<D>& gravity, const LiquidOfGround& liquid)
 {
 	const Grid<D>&     grid  = step.grid;
 	const ActiveRange& range = step.halo;
@@ -480,13 +480,13 @@ template <int D> void PoreWater<D>::levelCells(const StepContext<D>& step, const
 					if (ahead ? at == last : at == 0) continue;
 					const int from = ahead ? c : c - stride, place = ahead ? at : at - 1;
 					if (from < range.firstCell || from + stride >= range.lastCell) continue;
-					const double unseen = unseenFlow(
+					const double checkerboard = checkerboardFlux(
 					        faces_[a].data(), from, stride, place == 0 || from - stride < range.firstCell,
 					        place + 1 == last || from + 2 * stride >= range.lastCell);
-					if (unseen == 0.0) continue;
-					const double least  = std::min(compliance(from), compliance(from + stride));
-					const double mass   = liquidDensity * dt * unseen / (1.0 + 2.0 * sides * dt * faces_[a][from].conductance / least);
-					const int    donor  = mass > 0.0 ? from : from + stride;
+					if (checkerboard == 0.0) continue;
+					const double least = std::min(compliance(from), compliance(from + stride));
+					const double mass  = liquidDensity * dt * checkerboard / (1.0 + 2.0 * sides * dt * faces_[a][from].conductance / least);
+					const int    donor = mass > 0.0 ? from : from + stride;
 					const double gained = ahead ? -mass : mass, share = gained / cells_[donor].liquidMass;
 					cell.exchange[Gathered::water] += gained;
 					if (liquid.enthalpy)
@@ -527,7 +527,7 @@ template <int D> void PoreWater<D>::mixIn(int p, double mass, const Vec<D>& mome
 
 /// A cell that has all but run dry cannot give what its wet neighbours' nodes ask of it, and a trace of water gives nothing: it would
 /// shrink to nothing that can be divided by. What a cell keeps counts as having come in.
-template <int D> void PoreWater<D>::keepLastWater(const ActiveRange& range, StepLedger<D>& ledger)
+template <int D> void PoreWater<D>::limitOutflow(const ActiveRange& range, StepLedger<D>& ledger)
 {
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
 		Cell&        cell = cells_[c];
@@ -557,7 +557,7 @@ template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step)
 			cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 		}
 	});
-	keepLastWater(step.owned, step.ledger);
+	limitOutflow(step.owned, step.ledger);
 }
 
 template <int D> Vec<D> PoreWater<D>::remainingVelocity(int p, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const
@@ -656,7 +656,7 @@ template <int D> double PoreWater<D>::given(const PointFill& point, const Freezi
 	return difference < 0.0 ? difference * cell.filled : difference;
 }
 
-template <int D> void PoreWater<D>::levelPoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity)
+template <int D> void PoreWater<D>::stabilisePoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity)
 {
 	const double perDensity = 1.0 / liquidDensity;
 	for (int p = first; p < last; ++p) {

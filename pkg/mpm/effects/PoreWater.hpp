@@ -23,7 +23,7 @@ struct LiquidOfGround {
 	const EnthalpyModel* enthalpy; ///< null: ground without heat
 };
 
-/// By how much seepage is hastened in a step, f_H [-]: smallest and largest among the materials of a ground.
+/// By how much seepage is accelerated in a step, f_H [-]: smallest and largest among the materials of a ground.
 struct SeepageScales {
 	double smallest, largest;
 };
@@ -57,7 +57,7 @@ public:
 	/// Only nodes, cells and points of this part are used from now on; all others are zero and take no memory.
 	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint);
 	/// What points add to their cells.
-	void shareCells(SharedRows& rows)
+	void shareCells(HaloExchange& rows)
 	{
 		if (!cells_.empty()) rows.cells(cells_.data());
 		if (!freezing_.empty()) rows.cells(freezing_.data());
@@ -103,12 +103,12 @@ public:
 	        const NodeField<1>* temperature);
 	void finishExchange(const ActiveRange& range);
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
-	/// rise (may be null): receives the sums S rise of heat, where its column lies in the same record.
-	void gather(const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* rise = nullptr);
+	/// increment (may be null): receives the sums S increment of heat, where its column lies in the same record.
+	void gather(const WeightBlock<D>& w, double* waterMass, double* enthalpy, const CellMeans<D>* cells, double* increment = nullptr);
 	/// Adds to the exchange of cells, when all of it was gathered, what evens out between neighbours in dt: a pressure that is too high
 	/// and too low by turns has no gradient at the nodes, so that no flux of theirs would ever level it. In ground that freezes: every
 	/// cell that thaws leaves such a pulse of the load that its ice and water bore.
-	void levelCells(const StepContext<D>& step, const CellMeans<D>& cells, const Vec<D>& gravity, const LiquidOfGround& liquid);
+	void stabiliseCells(const StepContext<D>& step, const CellMeans<D>& cells, const Vec<D>& gravity, const LiquidOfGround& liquid);
 	// Of the liquid of a cell in ground that freezes, at the start of the step; what ice segregation takes from it, and gives to points.
 	double pressureOfCell(int cell) const { return cells_[cell].pressure; }
 	double heightOfCell(int cell) const { return cells_[cell].height; } ///< gravity's potential per volume [Pa]
@@ -124,13 +124,13 @@ public:
 	void mixIn(int place, double mass, const Vec<D>& momentum);
 	/// Exchange of each cell per liquid mass.
 	void finishCells(const StepContext<D>& step);
-	void keepLastWater(const ActiveRange& range, StepLedger<D>& ledger);
+	void limitOutflow(const ActiveRange& range, StepLedger<D>& ledger);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy. Returns momentum that the
 	/// water of cells that run dry gave up, see remainingVelocity: it has gone out with the water [N s].
 	Vec<D> receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, const std::array<double*, D>& solidVelocity);
 
 	/// Adds to the cells of some points from first on the unstressed volume of liquid and ice less the pore volume [m^D], and their compliance
-	/// [m^D/Pa]; in ground that freezes also for levelPoints() in the step dt. Call within MaterialPoints::strips().scatter.
+	/// [m^D/Pa]; in ground that freezes also for stabilisePoints() in the step dt. Call within MaterialPoints::strips().scatter.
 	void addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity);
 	/// Pressure of each cell from what fills it, when all points were added. enthalpy null: ground without heat.
 	void findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy);
@@ -138,7 +138,7 @@ public:
 	/// cell, gives to those that hold less, eq. (7.7). Exchange by seepage is even within a cell, so that nothing else would ever bring the
 	/// water of a point and its pores together, and the point would carry the difference, as a pressure, into the next cell.
 	/// Call when the cells have their pressure. enthalpy null: ground without heat.
-	void levelPoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity);
+	void stabilisePoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity);
 	/// Gives the points first .. last the pressure of their cell: that of all its liquid and ice in all its pores. Temperature
 	/// differs between the points of a cell by more than the grid can resolve; pressures of their own would follow with the
 	/// stiffness of water, and cavitation would cut off only the low ones.
@@ -170,11 +170,11 @@ public:
 	NodeField<Gathered::size>        exchange;
 
 	SeepageScales scales { 1.0, 1.0 }; ///< in this step; the smallest multiplies what is fed in
-	/// Water is hastened up to this conductivity [m/s] and no further: what it does against its inertia then dies out within an eightieth
+	/// Water is accelerated up to this conductivity [m/s] and no further: what it does against its inertia then dies out within an eightieth
 	/// of a second, and its pressure is at rest soon after; beyond, it would swing in grains that hardly hold it. Ground whose own
 	/// conductivity is larger takes this or untouched, whichever is larger.
 	static constexpr double untouched = 1e-2;
-	/// What hastened water does against its inertia dies out within k/(n g), whatever the ground is like: within this time [s]. What its
+	/// What accelerated water does against its inertia dies out within k/(n g), whatever the ground is like: within this time [s]. What its
 	/// points have and no node sees would not, by drag at the nodes, and would throw the last water out of ground that runs dry.
 	static constexpr double longestRest         = 0.0125;
 	double                  largestConductivity = std::numeric_limits<double>::infinity();
@@ -225,10 +225,10 @@ private:
 	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
 	double thawedPressure(const Grid<D>& grid, const ActiveRange& range, int cell, const Vec<D>& weight) const;
 	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
-	double unseenFlow(const Face* faces, int cell, int stride, bool first, bool last) const;
+	double checkerboardFlux(const Face* faces, int cell, int stride, bool first, bool last) const;
 	double reachedMobility(int cell, double volume, double dt, double liquidDensity) const;
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
-	/// s_p of eq. (7.7) and the surplus of some points from first on, and the former for levelPoints().
+	/// s_p of eq. (7.7) and the surplus of some points from first on, and the former for stabilisePoints().
 	TALIK_PROCESSOR_VERSIONS void findShares(
 	        int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity, double* share, double* surplus) const;
 	/// Volume that a point gives to the others of its cell in the step [m^D].

@@ -267,16 +267,16 @@ template <int D> void RigidContact<D>::boxBodies()
 }
 
 /// All ranks come to know the contacts of all strips, which they sum up in one order.
-template <int D> void RigidContact<D>::shareTouches(Bands& bands)
+template <int D> void RigidContact<D>::shareTouches(SlabDecomposition& slabs)
 {
 	std::string own;
-	for (int s = bands.firstStrip(); s < bands.endStrip(); ++s) {
+	for (int s = slabs.firstStrip(); s < slabs.endStrip(); ++s) {
 		const std::size_t count = touches_[s].size();
 		own.append(reinterpret_cast<const char*>(&count), sizeof count);
 		own.append(reinterpret_cast<const char*>(touches_[s].data()), count * sizeof(Touch));
 	}
 	std::string all;
-	for (const std::string& part : bands.say(own))
+	for (const std::string& part : slabs.say(own))
 		all += part;
 	const char* from = all.data();
 	for (std::vector<Touch>& touches : touches_) {
@@ -337,12 +337,12 @@ void RigidContact<D>::push(
 			        if (front) front->push(w, 0, t.force);
 		        }
 	        },
-	        [&](SharedRows& rows) {
+	        [&](HaloExchange& rows) {
 		        rows.beyond = true;
 		        rows.nodes(nodes);
 		        if (front) front->shareMapped(grid, rows);
 	        });
-	if (step.bands) shareTouches(*step.bands);
+	if (step.slabs) shareTouches(*step.slabs);
 	deliver(impulse);
 }
 
@@ -375,7 +375,7 @@ template <int D> void RigidContact<D>::cover(const StepContext<D>& step, const S
 				        });
 			        }
 	        },
-	        [&](SharedRows& rows) {
+	        [&](HaloExchange& rows) {
 		        rows.beyond = true;
 		        rows.nodes(surface.nodes);
 	        });
@@ -427,7 +427,7 @@ void RigidContact<D>::collectFaces(const StepContext<D>& step, const ShapeFuncti
 			        }
 		        }
 	        },
-	        [&](SharedRows& rows) {
+	        [&](HaloExchange& rows) {
 		        rows.beyond = true;
 		        rows.nodes(faces_);
 	        });

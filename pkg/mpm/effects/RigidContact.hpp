@@ -205,7 +205,7 @@ private:
 	void   pushPoint(int place, const std::vector<int>& near, double dt, std::vector<Touch>& touches);
 	double pressureOn(int place, const Vec<D>& normal) const;
 	void   boxBodies();
-	void   shareTouches(Bands& bands);
+	void   shareTouches(SlabDecomposition& slabs);
 	void   deliver(Vec<D>& impulse);
 
 	RigidContactSettings  settings_;

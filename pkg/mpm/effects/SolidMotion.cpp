@@ -49,9 +49,9 @@ template <int D> void SolidMotion<D>::map(const WeightBlock<D>& w, const double*
 	nodeLoops<D>().mapMotion(w, of);
 }
 
-template <int D> void SolidMotion<D>::gather(const WeightBlock<D>& w, double dt, double* rise)
+template <int D> void SolidMotion<D>::gather(const WeightBlock<D>& w, double dt, double* increment)
 {
-	nodeLoops<D>().gatherMotion(w, { solved[0], velocity, position, displacement, gradient, kept, dt, rise });
+	nodeLoops<D>().gatherMotion(w, { solved[0], velocity, position, displacement, gradient, kept, dt, increment });
 }
 
 template class SolidMotion<2>;

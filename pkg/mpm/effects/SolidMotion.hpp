@@ -25,9 +25,9 @@ public:
 	/// Adds mass, momentum and internal force of a block, with addedStress. Maps capacity and capacity times (carried - carriedFrom) along, if
 	/// not null, where records Moving have columns for them.
 	void map(const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
-	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes. rise, unless null: what the points gather
-	/// of column rise, where records Solved have one.
-	void gather(const WeightBlock<D>& w, double dt, double* rise = nullptr);
+	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes. increment, unless null: what the points gather
+	/// of column increment, where records Solved have one.
+	void gather(const WeightBlock<D>& w, double dt, double* increment = nullptr);
 
 	/// What B-bar averages of the effective stress [Pa].
 	double averagedStress(int p) const

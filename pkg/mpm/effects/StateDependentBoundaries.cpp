@@ -33,9 +33,9 @@ template <int D> void StateDependentBoundaries<D>::evaluateOne(const StepContext
 		const int node = nodeOfSlot(item, k, surface);
 		if (node >= range.first && node < range.second) add(step, item, state, surface, int(k), node);
 	}
-	if (step.bands) addNodesOfAll(step, item, state, surface);
-	item.boundary->lookAt(nodes_);
-	if (step.bands) requireSameFluxes(*step.bands, *item.boundary);
+	if (step.slabs) addNodesOfAll(step, item, state, surface);
+	item.boundary->evaluate(nodes_);
+	if (step.slabs) requireSameFluxes(*step.slabs, *item.boundary);
 }
 
 template <int D> void StateDependentBoundaries<D>::clear()
@@ -81,10 +81,10 @@ void StateDependentBoundaries<D>::add(const StepContext<D>& step, const Item& it
 
 template <int D> std::pair<int, int> StateDependentBoundaries<D>::ownNodes(const StepContext<D>& step)
 {
-	const Bands* const bands = step.bands;
-	if (!bands) return { 0, step.grid.nodeCount() };
+	const SlabDecomposition* const slabs = step.slabs;
+	if (!slabs) return { 0, step.grid.nodeCount() };
 	const int strip = Strips::rows * step.grid.nodeStride(step.strips.axis);
-	return { bands->firstStrip() * strip, bands->rank() + 1 == bands->count() ? step.grid.nodeCount() : bands->endStrip() * strip };
+	return { slabs->firstStrip() * strip, slabs->rank() + 1 == slabs->count() ? step.grid.nodeCount() : slabs->endStrip() * strip };
 }
 
 namespace {
@@ -114,7 +114,7 @@ void StateDependentBoundaries<D>::addNodesOfAll(const StepContext<D>& step, cons
 		appendBytes(own, *numbers);
 	const std::size_t ofNode = sizeof(int) + (1 + normal + bool(state.motion)) * sizeof(Vec<D>) + (bool(state.heat) + bool(state.water)) * sizeof(double);
 	clear();
-	for (const std::string& bytes : step.bands->say(own)) {
+	for (const std::string& bytes : step.slabs->say(own)) {
 		const std::size_t count = bytes.size() / ofNode;
 		const char*       from  = bytes.data();
 		takeBytes(from, count, numbers_);
@@ -133,9 +133,9 @@ void StateDependentBoundaries<D>::addNodesOfAll(const StepContext<D>& step, cons
 }
 
 /// Ranks work out the fluxes of a boundary each for themselves.
-template <int D> void StateDependentBoundaries<D>::requireSameFluxes(Bands& bands, const Boundary<D>& boundary)
+template <int D> void StateDependentBoundaries<D>::requireSameFluxes(SlabDecomposition& slabs, const Boundary<D>& boundary)
 {
-	const auto digests = bands.byRank(boundary.digest());
+	const auto digests = slabs.byRank(boundary.digest());
 	for (std::size_t rank = 1; rank < digests.size(); ++rank)
 		if (digests[rank] != digests[0])
 			throw std::runtime_error(

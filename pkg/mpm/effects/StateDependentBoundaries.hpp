@@ -48,7 +48,7 @@ private:
 	int         nodeOfSlot(const Item& item, std::size_t slot, const FreeSurface<D>* surface) const;
 	void        add(const StepContext<D>& step, const Item& item, const State& state, const FreeSurface<D>* surface, int slot, int node);
 	void        addNodesOfAll(const StepContext<D>& step, const Item& item, const State& state, const FreeSurface<D>* surface);
-	static void requireSameFluxes(Bands& bands, const Boundary<D>& boundary);
+	static void requireSameFluxes(SlabDecomposition& slabs, const Boundary<D>& boundary);
 	/// Nodes in the rows of this rank's strips.
 	static std::pair<int, int> ownNodes(const StepContext<D>& step);
 

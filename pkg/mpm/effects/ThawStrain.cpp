@@ -60,7 +60,7 @@ template <int D> void ThawStrain<D>::keepOnly(const ActiveRange& range, int firs
 }
 
 /// Points of neighbouring strips may lie in one cell.
-template <int D> void ThawStrain<D>::shareCells(SharedRows& rows)
+template <int D> void ThawStrain<D>::shareCells(HaloExchange& rows)
 {
 	if (cells_) rows.cells(sharing_.data());
 }
@@ -86,7 +86,7 @@ void ThawStrain<D>::release(const StepContext<D>& step, const PointsInMotion<D>&
 			        lastVolume_[p] = volume[p];
 		        }
 	        },
-	        [&](SharedRows& rows) { shareCells(rows); });
+	        [&](HaloExchange& rows) { shareCells(rows); });
 }
 
 template <int D> const std::vector<int>& ThawStrain<D>::openAmong(const std::vector<int>& places)
@@ -115,7 +115,7 @@ template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const Poi
 		        for (int p = first; p < last; ++p)
 			        if (asked_[p]) sharing(p).elastic += points.volume[p] * unloadingAt(p);
 	        },
-	        [&](SharedRows& rows) { shareCells(rows); });
+	        [&](HaloExchange& rows) { shareCells(rows); });
 	for (const int p : all_) {
 		const Sharing& s       = sharing(p);
 		const double   settled = std::min(s.room, std::max(0.0, s.contraction)), left = s.room - settled;

@@ -55,7 +55,7 @@ private:
 	};
 	Sharing& sharing(int place);
 	void     releaseAt(int place, const double* iceSaturation, const double* initialVolume);
-	void     shareCells(SharedRows& rows);
+	void     shareCells(HaloExchange& rows);
 	bool     averages() const { return settings_->motion->bBar; }
 
 	const GroundSettings<D>* settings_;

@@ -116,7 +116,7 @@ void ThawedCompression<D>::compress(
 	if (cells) std::fill(sharing_.begin() + step.halo.firstCell, sharing_.begin() + step.halo.lastCell, Sharing {});
 	else std::fill(sharing_.begin() + step.strips.firstPoint(), sharing_.begin() + step.strips.endPoint(), Sharing {});
 	const double* const volume = moving.volume;
-	const auto          share  = [&](SharedRows& rows) {
+	const auto          share  = [&](HaloExchange& rows) {
                 if (cells_) rows.cells(sharing_.data());
 	};
 	step.strips.scatter(

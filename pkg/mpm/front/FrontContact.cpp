@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/front/FrontContact.hpp>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -243,7 +243,7 @@ template <int D> void FrontContact<D>::solve(const StepContext<D>& step, const I
 	const int     count     = in.nodes.count();
 	constexpr int piece     = 64;
 	const auto    overSlots = [&](auto&& task) {
-                ThreadTeam::run((count + piece - 1) / piece, step.halo.parallel ? ThreadTeam::threads() : 1, [&](int i, int) {
+                ThreadPool::run((count + piece - 1) / piece, step.halo.parallel ? ThreadPool::threads() : 1, [&](int i, int) {
                         for (int slot = i * piece; slot < std::min(count, (i + 1) * piece); ++slot)
                                 task(slot);
                 });

@@ -123,7 +123,7 @@ template <int D> void FrontNodes<D>::find(const StepContext<D>& step, const doub
 		        updateSides(first, last, iceSaturation);
 		        markCells(step.grid, first, last);
 	        },
-	        [&](SharedRows& rows) {
+	        [&](HaloExchange& rows) {
 		        rows.beyond = true;
 		        rows.cellsByNode(sides_.data() + margin_);
 	        });

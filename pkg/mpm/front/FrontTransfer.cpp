@@ -44,7 +44,7 @@ template <int D> void FrontTransfer<D>::map(const StepContext<D>& step, const We
 		}
 		if (affine) bringAffine(step.grid, w, k, points.motion.mass[p], *affine);
 	}
-	const typename Loops::template SomeRecords<double> records { nodes_->slots(), records_->firstSums(), R::sumsSize };
+	const typename Loops::template SparseRecords<double> records { nodes_->slots(), records_->firstSums(), R::sumsSize };
 	nodeLoops<D>().mapFrozen(w, frozenShares, records);
 	nodeLoops<D>().mapThawed(w, thawedShares, records);
 	nodeLoops<D>().mapPores(w, poreShares, records);
@@ -138,7 +138,7 @@ template <int D> void FrontTransfer<D>::addLoad(int slot, double mass, const Vec
 		sums[R::forceAt + a] += share * force[a];
 }
 
-template <int D> void FrontTransfer<D>::shareMapped(const std::vector<int>& rowStarts, SharedRows& rows)
+template <int D> void FrontTransfer<D>::shareMapped(const std::vector<int>& rowStarts, HaloExchange& rows)
 {
 	rows.someNodes(records_->firstSums(), R::sumsSize, rowStarts);
 }
@@ -152,7 +152,7 @@ template <int D> const double* FrontTransfer<D>::correction(int node, int p) con
 template <int D> void FrontTransfer<D>::gather(const StepContext<D>& step, const WeightBlock<D>& w, const Points& points, const AffineVelocity<D>* affine)
 {
 	if (nodes_->empty()) return;
-	const typename Loops::template SomeRecords<const double> records { nodes_->slots(), records_->firstAnswer(), R::answerSize };
+	const typename Loops::template SparseRecords<const double> records { nodes_->slots(), records_->firstAnswer(), R::answerSize };
 	for (int k = 0; k < w.count; ++k) {
 		const int p = w.first + k;
 		if (!nodes_->near(p)) continue;

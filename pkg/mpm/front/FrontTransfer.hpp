@@ -43,7 +43,7 @@ public:
 	/// Gives the frozen side its part, by mass, of a load on a front node of this mass [N]; call before mirrors are folded.
 	void addLoad(int slot, double mass, const Vec<D>& force);
 	/// What map() and push() add to.
-	void shareMapped(const std::vector<int>& rowStarts, SharedRows& rows);
+	void shareMapped(const std::vector<int>& rowStarts, HaloExchange& rows);
 	/// Corrects velocity, position, displacement and displacement gradient of a block; affine may be null.
 	void gather(const StepContext<D>& step, const WeightBlock<D>& w, const Points& points, const AffineVelocity<D>* affine);
 	/// Correction of the velocity [m/s] with which a point moves at a node; null for none.

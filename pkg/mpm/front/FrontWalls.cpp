@@ -39,7 +39,7 @@ namespace {
 	}
 } // namespace
 
-template <int D> void FrontWalls<D>::fold(const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records)
+template <int D> void FrontWalls<D>::applySymmetry(const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records)
 {
 	folded_.assign(mirrors.size(), {});
 	for (std::size_t k = 0; k < mirrors.size(); ++k) {

@@ -13,8 +13,8 @@ template <int D> class FrontWalls {
 public:
 	using Mirrors = typename FrontNodes<D>::Mirrors;
 
-	void fold(const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records);
-	/// The frozen side's part of what walls that have left their nodes push; call after fold().
+	void applySymmetry(const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, FrontRecords<D>& records);
+	/// The frozen side's part of what walls that have left their nodes push; call after applySymmetry().
 	void pushAhead(
 	        const StepContext<D>& step, const FrontNodes<D>& nodes, const Mirrors& mirrors, const SolidMotion<D>& motion, FrontRecords<D>& records) const;
 	/// Both sides move with such a wall where it stands; books what the wall gives.

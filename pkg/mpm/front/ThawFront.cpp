@@ -50,7 +50,7 @@ void ThawFront<D>::solve(
 {
 	fastest_ = 0.0;
 	if (!present()) return;
-	walls_.fold(step, nodes_, mirrors, records_);
+	walls_.applySymmetry(step, nodes_, mirrors, records_);
 	walls_.pushAhead(step, nodes_, mirrors, motion, records_);
 	contact_.solve(step, { nodes_, motion, water, constraints, constants_, step.dt }, records_, work_);
 	walls_.leadWalls(step, nodes_, mirrors, motion, contact_, water != nullptr, records_);

@@ -58,7 +58,7 @@ public:
 	/// Gives the frozen side its part of a surface load [N] on a node of this mass [kg]; call before mirrors are folded.
 	void addLoad(int node, double mass, const Vec<D>& force);
 	/// What map() and push() add to.
-	void shareMapped(const Grid<D>& grid, SharedRows& rows) { transfer_.shareMapped(nodes_.rowStarts(grid), rows); }
+	void shareMapped(const Grid<D>& grid, HaloExchange& rows) { transfer_.shareMapped(nodes_.rowStarts(grid), rows); }
 	/// Contact and walls: corrections of the velocities that motion and water (null in ground without) have on the nodes. Call when mirrors are folded
 	/// and before they are unfolded. Books what the force between the sides takes from their slip, and what walls give to the sides apart.
 	void solve(

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <pkg/mpm/points/MaterialPoints.hpp>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 
 #include <algorithm>
 #include <array>
@@ -27,8 +27,8 @@ struct ActiveRange {
 			low  = std::min(low, x[p]);
 			high = std::max(high, x[p]);
 		}
-		if (points.strips().bands)
-			for (const auto& [lowest, highest] : points.strips().bands->byRank(std::array<double, 2> { low, high })) {
+		if (points.strips().slabs)
+			for (const auto& [lowest, highest] : points.strips().slabs->byRank(std::array<double, 2> { low, high })) {
 				low  = std::min(low, lowest);
 				high = std::max(high, highest);
 			}
@@ -53,21 +53,21 @@ struct ActiveRange {
 	{
 		constexpr int piece = 512;
 		const int     n     = (lastCell - firstCell + piece - 1) / piece;
-		ThreadTeam::run(n, threads(), [&](int c, int) { work(firstCell + c * piece, std::min(lastCell, firstCell + (c + 1) * piece)); });
+		ThreadPool::run(n, threads(), [&](int c, int) { work(firstCell + c * piece, std::min(lastCell, firstCell + (c + 1) * piece)); });
 	}
 
 	/// work(piece, firstNode, lastNode) over all nodes of the range.
 	template <class Work> void overNodes(Work&& work) const
 	{
 		const int first = firstNode / chunk;
-		ThreadTeam::run(chunks(), threads(), [&](int c, int) {
+		ThreadPool::run(chunks(), threads(), [&](int c, int) {
 			const int begin = (first + c) * chunk;
 			work(c, std::max(firstNode, begin), std::min(lastNode, begin + chunk));
 		});
 	}
 
 private:
-	int threads() const { return parallel ? ThreadTeam::threads() : 1; }
+	int threads() const { return parallel ? ThreadPool::threads() : 1; }
 };
 
 } // namespace talik

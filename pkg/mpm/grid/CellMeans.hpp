@@ -54,13 +54,13 @@ public:
 		}
 	}
 	/// What locate() and add() add to.
-	void share(SharedRows& rows)
+	void share(HaloExchange& rows)
 	{
 		rows.cells(volume_.data());
 		shareSums(rows);
 	}
 	/// What add() adds to.
-	void shareSums(SharedRows& rows) { rows.cells(sum_.data()); }
+	void shareSums(HaloExchange& rows) { rows.cells(sum_.data()); }
 	void clearVolumes(const ActiveRange& r) { std::fill(volume_.begin() + r.firstCell, volume_.begin() + r.lastCell, 0.0); }
 	void clearSums(const ActiveRange& r) { std::fill(sum_.begin() + r.firstCell, sum_.begin() + r.lastCell, 0.0); }
 	void clearAll()

@@ -111,13 +111,13 @@ template <int D> void FreeSurface<D>::map(const WeightBlock<D>& w)
 
 template <int D> void FreeSurface<D>::findOpenAir(const Grid<D>& grid, const CellMeans<D>& cells)
 {
-	const double enough = emptyFilling * grid.cellVolume();
-	const Bands* bands  = strips_->bands;
-	const int    strip  = Strips::rows * grid.cellStride(grid.slowAxis());
-	const int    first = bands ? bands->firstStrip() * strip : 0, end = bands ? std::min(bands->endStrip() * strip, grid.cellCount()) : grid.cellCount();
+	const double             enough = emptyFilling * grid.cellVolume();
+	const SlabDecomposition* slabs  = strips_->slabs;
+	const int                strip  = Strips::rows * grid.cellStride(grid.slowAxis());
+	const int first = slabs ? slabs->firstStrip() * strip : 0, end = slabs ? std::min(slabs->endStrip() * strip, grid.cellCount()) : grid.cellCount();
 	for (int c = first; c < end; ++c)
 		empty_[c] = cells.cellVolume(c) < enough;
-	if (strips_->bands) strips_->bands->shareByCell(empty_);
+	if (strips_->slabs) strips_->slabs->shareByCell(empty_);
 	bool changed = false;
 	for (int c = 0; c < grid.cellCount(); ++c)
 		changed |= empty_[c] != (emptiness_[c] != filled);

@@ -38,7 +38,7 @@ template <int D> struct NodeLoops {
 		std::array<double*, D>     velocity, position, displacement;
 		std::array<double*, D * D> gradient;
 		double                     kept, dt;
-		double*                    rise; ///< sum S of column rise by point of the block; may be null; only where Solved carries it
+		double*                    increment; ///< sum S of column increment by point of the block; may be null; only where Solved carries it
 	};
 	void (*gatherMotion)(const WeightBlock<D>& w, const MotionGather& a);
 
@@ -79,7 +79,7 @@ template <int D> struct NodeLoops {
 	void (*seep)(const WeightBlock<D>& w, const Seepage& s);
 
 	/// Records of size numbers that some nodes have: slot[node] is the place of that of a node, or -1.
-	template <class Number> struct SomeRecords {
+	template <class Number> struct SparseRecords {
 		const int* slot;
 		Number*    first;
 		int        size;
@@ -101,9 +101,9 @@ template <int D> struct NodeLoops {
 			return of[count++];
 		}
 	};
-	void (*mapFrozen)(const WeightBlock<D>& w, const Shares<typename Columns::Frozen>& shares, const SomeRecords<double>& records);
-	void (*mapThawed)(const WeightBlock<D>& w, const Shares<typename Columns::Thawed>& shares, const SomeRecords<double>& records);
-	void (*mapPores)(const WeightBlock<D>& w, const Shares<typename Columns::Pores>& shares, const SomeRecords<double>& records);
+	void (*mapFrozen)(const WeightBlock<D>& w, const Shares<typename Columns::Frozen>& shares, const SparseRecords<double>& records);
+	void (*mapThawed)(const WeightBlock<D>& w, const Shares<typename Columns::Thawed>& shares, const SparseRecords<double>& records);
+	void (*mapPores)(const WeightBlock<D>& w, const Shares<typename Columns::Pores>& shares, const SparseRecords<double>& records);
 
 	/// What one point gathers from records Side and Slip.
 	struct FrontSums {
@@ -112,8 +112,8 @@ template <int D> struct NodeLoops {
 		double slip[Columns::Slip::size];
 	};
 	/// Sums of point k of a block on the frozen side: side and gradient. On the thawed side slip too.
-	void (*gatherFrozen)(const WeightBlock<D>& w, int k, const SomeRecords<const double>& records, FrontSums& sums);
-	void (*gatherThawed)(const WeightBlock<D>& w, int k, const SomeRecords<const double>& records, FrontSums& sums);
+	void (*gatherFrozen)(const WeightBlock<D>& w, int k, const SparseRecords<const double>& records, FrontSums& sums);
+	void (*gatherThawed)(const WeightBlock<D>& w, int k, const SparseRecords<const double>& records, FrontSums& sums);
 };
 
 /// The loops that all ground uses: the vector version for this processor, unless others were chosen.

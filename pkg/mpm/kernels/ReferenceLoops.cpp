@@ -49,10 +49,10 @@ namespace {
 			const int p = w.first + k;
 			Vec<D>    change {}, v {};
 			Tensor<D> gradient {};
-			double    rise = 0.0;
+			double    increment = 0.0;
 			overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
 				const double* r = a.nodes + long(node) * Solved::size;
-				if (a.rise) rise += s * r[Solved::rise];
+				if (a.increment) increment += s * r[Solved::increment];
 				for (int i = 0; i < D; ++i) {
 					change[i] += s * r[Solved::change + i];
 					v[i] += s * r[Solved::velocity + i];
@@ -60,7 +60,7 @@ namespace {
 						gradient[i][j] += g[j] * r[Solved::velocity + i];
 				}
 			});
-			if (a.rise) a.rise[k] = rise;
+			if (a.increment) a.increment[k] = increment;
 			for (int i = 0; i < D; ++i) {
 				a.velocity[i][p] = a.kept * a.velocity[i][p] + change[i];
 				a.position[i][p] += a.dt * v[i];
@@ -146,11 +146,12 @@ namespace {
 		for (int k = 0; k < w.count; ++k) {
 			const int    p = w.first + k;
 			Vec<D>       slope;
-			const double temperature = evaluate<D>(w, k, field, slope), unseen = h.capacity[p] * (temperature - (h.temperature[p] - h.reference));
+			const double temperature = evaluate<D>(w, k, field, slope),
+			             nullSpace   = h.capacity[p] * (temperature - (h.temperature[p] - h.reference));
 			const double conductance = h.volume[p] * h.conductivity[p] * h.duration;
 			overNodes<D>(w, k, [&](int node, double s, const Vec<D>& g) {
 				field.flowAt(node)[0] += s * h.volume[p] * h.produced - conductance * dot<D>(slope, g);
-				field.flowAt(node)[1] += s * unseen;
+				field.flowAt(node)[1] += s * nullSpace;
 			});
 		}
 	}
@@ -210,7 +211,7 @@ namespace {
 	template <class Numbers, int D>
 	void mapSome(
 	        const WeightBlock<D>& w, const typename NodeLoops<D>::template Shares<Numbers>& shares,
-	        const typename NodeLoops<D>::template SomeRecords<double>& records)
+	        const typename NodeLoops<D>::template SparseRecords<double>& records)
 	{
 		for (int k = 0; k < shares.count; ++k) {
 			const auto& share = shares.of[k];
@@ -228,7 +229,7 @@ namespace {
 
 	/// Adds S numbers [first, first + n) of the records of the support.
 	template <int D>
-	void addSome(const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records, int first, int n, double* sums)
+	void addSome(const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SparseRecords<const double>& records, int first, int n, double* sums)
 	{
 		std::fill(sums, sums + n, 0.0);
 		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
@@ -239,7 +240,7 @@ namespace {
 
 	template <int D>
 	void gatherSide(
-	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records, int first,
+	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SparseRecords<const double>& records, int first,
 	        typename NodeLoops<D>::FrontSums& sums)
 	{
 		using Side = typename NodeColumns<D>::Side;
@@ -255,7 +256,7 @@ namespace {
 
 	template <int D>
 	void gatherFrozen(
-	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records,
+	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SparseRecords<const double>& records,
 	        typename NodeLoops<D>::FrontSums& sums)
 	{
 		gatherSide<D>(w, k, records, 0, sums);
@@ -263,7 +264,7 @@ namespace {
 
 	template <int D>
 	void gatherThawed(
-	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& records,
+	        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SparseRecords<const double>& records,
 	        typename NodeLoops<D>::FrontSums& sums)
 	{
 		using C = NodeColumns<D>;

@@ -136,23 +136,26 @@ namespace HWY_NAMESPACE {
 		template <int n> HWY_INLINE Numbers<n> added(const Numbers<n>& q, double s, Nothing) { return scaled(q, s); }
 
 		/// Eight numbers and four behind them.
-		struct Twelve {
+		struct TwelveLanes {
 			Numbers<8> first;
 			Numbers<4> last;
 		};
-		HWY_INLINE void load(const double* from, Twelve& q)
+		HWY_INLINE void load(const double* from, TwelveLanes& q)
 		{
 			load(from, q.first);
 			load(from + 8, q.last);
 		}
-		HWY_INLINE void store(const Twelve& q, double* to)
+		HWY_INLINE void store(const TwelveLanes& q, double* to)
 		{
 			store(q.first, to);
 			store(q.last, to + 8);
 		}
-		HWY_INLINE Twelve scaled(const Twelve& q, double s) { return { scaled(q.first, s), scaled(q.last, s) }; }
-		HWY_INLINE Twelve added(const Twelve& q, double s, const Twelve& to) { return { added(q.first, s, to.first), added(q.last, s, to.last) }; }
-		HWY_INLINE Twelve added(Nothing, double, const Twelve& to) { return to; }
+		HWY_INLINE TwelveLanes scaled(const TwelveLanes& q, double s) { return { scaled(q.first, s), scaled(q.last, s) }; }
+		HWY_INLINE TwelveLanes added(const TwelveLanes& q, double s, const TwelveLanes& to)
+		{
+			return { added(q.first, s, to.first), added(q.last, s, to.last) };
+		}
+		HWY_INLINE TwelveLanes added(Nothing, double, const TwelveLanes& to) { return to; }
 
 		/// Weights of one point along the first axis: registers, where what is stored in records cannot change them.
 		struct FirstAxis {
@@ -192,10 +195,10 @@ namespace HWY_NAMESPACE {
 		};
 
 		/// Where some nodes have a record. The others share `none`: zeros, or numbers that nobody reads.
-		template <int D, class Number> struct ChosenRecords {
+		template <int D, class Number> struct SparseSupport {
 			Number* record[supportCount<D>];
 			bool    present[supportRows<D>], anywhere = false;
-			ChosenRecords(const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<Number>& some, Number* none)
+			SparseSupport(const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SparseRecords<Number>& some, Number* none)
 			{
 				const int* const slots = some.slot + w.base[k];
 				for (int row = 0; row < supportRows<D>; ++row) {
@@ -377,7 +380,7 @@ namespace HWY_NAMESPACE {
 
 		/// What the points of a block gather from records Solved.
 		template <int D> struct SolvedAtBlock {
-			double change[D][blockSize], velocity[D][blockSize], gradient[D][D][blockSize], rise[blockSize];
+			double change[D][blockSize], velocity[D][blockSize], gradient[D][D][blockSize], increment[blockSize];
 		};
 
 		template <int D> HWY_INLINE void gatherSolved(const WeightBlock<D>& w, const double* nodes, SolvedAtBlock<D>& b)
@@ -393,7 +396,7 @@ namespace HWY_NAMESPACE {
 					store(sums.value, value);
 					for (int a = 0; a < D; ++a)
 						store(sums.slope[a], slope[a]);
-					b.rise[k] = value[Solved::rise];
+					b.increment[k] = value[Solved::increment];
 					for (int i = 0; i < D; ++i) {
 						b.change[i][k]   = value[Solved::change + i];
 						b.velocity[i][k] = value[Solved::velocity + i];
@@ -411,7 +414,7 @@ namespace HWY_NAMESPACE {
 				if constexpr (behind > 0) store(gather<Numbers<4>>(w, k, records).value, change);
 				for (int a = 0; a < D; ++a)
 					store(sums.slope[a], slope[a]);
-				if constexpr (Solved::carriesRise) b.rise[k] = change[Solved::rise];
+				if constexpr (Solved::carriesIncrement) b.increment[k] = change[Solved::increment];
 				for (int i = 0; i < D; ++i) {
 					b.change[i][k]   = behind > 0 ? change[i] : value[i];
 					b.velocity[i][k] = value[v + i];
@@ -427,7 +430,7 @@ namespace HWY_NAMESPACE {
 			SolvedAtBlock<D> b;
 			gatherSolved(w, a.nodes, b);
 			const double chi = a.kept, dt = a.dt;
-			if (a.rise) std::copy_n(b.rise, count, a.rise);
+			if (a.increment) std::copy_n(b.increment, count, a.increment);
 			for (int i = 0; i < D; ++i) {
 				double* velocity     = a.velocity[i] + first;
 				double* position     = a.position[i] + first;
@@ -448,8 +451,8 @@ namespace HWY_NAMESPACE {
 		template <int D, int n> void mapRecords(const WeightBlock<D>& w, const double (&values)[n][blockSize], double* nodes)
 		{
 			if constexpr (n == 12 && mostTogether == 8) {
-				scatterBlock<Twelve>(w, nodes, n, [&](int k) {
-					return Share<D, Twelve, Nothing> { { numbers<8>(values, k), numbers<4>(values, k, 8) }, {} };
+				scatterBlock<TwelveLanes>(w, nodes, n, [&](int k) {
+					return Share<D, TwelveLanes, Nothing> { { numbers<8>(values, k), numbers<4>(values, k, 8) }, {} };
 				});
 				return;
 			}
@@ -541,9 +544,9 @@ namespace HWY_NAMESPACE {
 			}
 		}
 
-		/// What the points of a block give to columns heat and unseen: with S, and with its slopes.
+		/// What the points of a block give to columns heat and nullSpace: with S, and with its slopes.
 		template <int D> struct HeatOfBlock {
-			double produced[blockSize], unseen[blockSize], flow[D][blockSize];
+			double produced[blockSize], nullSpace[blockSize], flow[D][blockSize];
 		};
 
 		template <int D>
@@ -557,16 +560,16 @@ namespace HWY_NAMESPACE {
 				const double conductance = -volume[k] * conductivity[k] * h.duration;
 				for (int a = 0; a < D; ++a)
 					b.flow[a][k] = g.temperatureSlope[a][k] * conductance;
-				b.unseen[k]   = capacity[k] * (g.temperature[k] - (temperature[k] - h.reference));
-				b.produced[k] = volume[k] * h.produced;
+				b.nullSpace[k] = capacity[k] * (g.temperature[k] - (temperature[k] - h.reference));
+				b.produced[k]  = volume[k] * h.produced;
 			}
 		}
 
-		/// Adds heat and unseen to neighbouring columns.
+		/// Adds heat and nullSpace to neighbouring columns.
 		template <int D> HWY_INLINE void scatterHeat(const WeightBlock<D>& w, double* nodes, int recordSize, const HeatOfBlock<D>& b)
 		{
 			scatterBlock<Numbers<2>>(w, nodes, recordSize, [&](int k) {
-				Share<D, Numbers<2>, Numbers<2>> share { numbers(b.produced[k], b.unseen[k]), {} };
+				Share<D, Numbers<2>, Numbers<2>> share { numbers(b.produced[k], b.nullSpace[k]), {} };
 				for (int a = 0; a < D; ++a)
 					share.slope[a] = numbers(b.flow[a][k], 0.0);
 				return share;
@@ -598,7 +601,7 @@ namespace HWY_NAMESPACE {
 				// one record has room for both
 				scatterBlock<Numbers<4>>(w, driven, Driven::size, [&](int k) {
 					return Share<2, Numbers<4>, Numbers<4>> {
-						numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], b.produced[k], b.unseen[k]),
+						numbers(g.pressureSlope[0][k], g.pressureSlope[1][k], b.produced[k], b.nullSpace[k]),
 						{ numbers(0.0, 0.0, b.flow[0][k], 0.0), numbers(0.0, 0.0, b.flow[1][k], 0.0) }
 					};
 				});
@@ -607,7 +610,7 @@ namespace HWY_NAMESPACE {
 			if constexpr (Heat && D == 3 && mostTogether == 8) {
 				scatterBlock<Numbers<8>>(w, driven, Driven::size, [&](int k) {
 					return Share<3, Numbers<8>, Numbers<8>> {
-						numbers(numbers(g.pressureSlope, k), numbers(b.produced[k], b.unseen[k], 0.0, 0.0)),
+						numbers(numbers(g.pressureSlope, k), numbers(b.produced[k], b.nullSpace[k], 0.0, 0.0)),
 						{ behindFour(numbers(b.flow[0][k], 0.0, 0.0, 0.0)), behindFour(numbers(b.flow[1][k], 0.0, 0.0, 0.0)),
 						  behindFour(numbers(b.flow[2][k], 0.0, 0.0, 0.0)) }
 					};
@@ -676,7 +679,7 @@ namespace HWY_NAMESPACE {
 		/// Eight numbers at once that take S alone, or four where no more are left.
 		template <class Columns, int first, int D>
 		HWY_INLINE void scatterStraight(
-		        const WeightBlock<D>& w, int begin, int end, const ChosenRecords<D, double>& records,
+		        const WeightBlock<D>& w, int begin, int end, const SparseSupport<D, double>& records,
 		        const typename NodeLoops<D>::template Shares<Columns>& shares)
 		{
 			if constexpr (first < Columns::straight) {
@@ -691,7 +694,7 @@ namespace HWY_NAMESPACE {
 		template <class Columns, int D>
 		void mapSome(
 		        const WeightBlock<D>& w, const typename NodeLoops<D>::template Shares<Columns>& shares,
-		        const typename NodeLoops<D>::template SomeRecords<double>& some)
+		        const typename NodeLoops<D>::template SparseRecords<double>& some)
 		{
 			constexpr int sloping                              = Columns::size - Columns::straight;
 			double        nobodys[Columns::at + Columns::size] = {};
@@ -699,7 +702,7 @@ namespace HWY_NAMESPACE {
 			for (int k = 0, end = 0; k < shares.count; k = end) {
 				while (end < shares.count && w.base[pointAt(end)] == w.base[pointAt(k)])
 					++end;
-				const ChosenRecords<D, double> records(w, pointAt(k), some, nobodys);
+				const SparseSupport<D, double> records(w, pointAt(k), some, nobodys);
 				if (!records.anywhere) continue;
 				scatterStraight<Columns, 0>(w, k, end, records, shares);
 				if constexpr (sloping > 0)
@@ -722,7 +725,7 @@ namespace HWY_NAMESPACE {
 
 		/// Sums of n numbers from column on.
 		template <int n, int D>
-		HWY_INLINE void gatherSome(const WeightBlock<D>& w, int k, const ChosenRecords<D, const double>& records, int column, double* to)
+		HWY_INLINE void gatherSome(const WeightBlock<D>& w, int k, const SparseSupport<D, const double>& records, int column, double* to)
 		{
 			constexpr int together = HWY_MIN(8, n);
 			store(gather<Numbers<together>>(w, k, records, column).value, to);
@@ -731,7 +734,7 @@ namespace HWY_NAMESPACE {
 
 		template <int D>
 		HWY_INLINE void gatherSide(
-		        const WeightBlock<D>& w, int k, const ChosenRecords<D, const double>& records, int first, typename NodeLoops<D>::FrontSums& sums)
+		        const WeightBlock<D>& w, int k, const SparseSupport<D, const double>& records, int first, typename NodeLoops<D>::FrontSums& sums)
 		{
 			using Side                         = typename NodeColumns<D>::Side;
 			const Sums<Numbers<4>, D> velocity = gather<Numbers<4>>(w, k, records, first + Side::velocity);
@@ -743,19 +746,19 @@ namespace HWY_NAMESPACE {
 
 		template <int D>
 		void gatherFrozen(
-		        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& some,
+		        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SparseRecords<const double>& some,
 		        typename NodeLoops<D>::FrontSums& sums)
 		{
-			gatherSide(w, k, ChosenRecords<D, const double>(w, k, some, zeros), 0, sums);
+			gatherSide(w, k, SparseSupport<D, const double>(w, k, some, zeros), 0, sums);
 		}
 
 		template <int D>
 		void gatherThawed(
-		        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SomeRecords<const double>& some,
+		        const WeightBlock<D>& w, int k, const typename NodeLoops<D>::template SparseRecords<const double>& some,
 		        typename NodeLoops<D>::FrontSums& sums)
 		{
 			using Columns = NodeColumns<D>;
-			const ChosenRecords<D, const double> records(w, k, some, zeros);
+			const SparseSupport<D, const double> records(w, k, some, zeros);
 			gatherSide(w, k, records, Columns::Side::size, sums);
 			gatherSome<Columns::Slip::size>(w, k, records, Columns::Slip::at, sums.slip);
 		}

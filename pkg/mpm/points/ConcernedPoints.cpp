@@ -17,7 +17,7 @@ template <int D> std::string whereabouts(const MaterialPoints<D>& points, int pl
 	return text.str();
 }
 
-template <int D> ConcernedPoints concernedPoints(const MaterialPoints<D>& points, const std::vector<int>& places, long step, Bands* bands)
+template <int D> ConcernedPoints concernedPoints(const MaterialPoints<D>& points, const std::vector<int>& places, long step, SlabDecomposition* slabs)
 {
 	constexpr std::size_t most = 5;
 	std::vector<int>      ids;
@@ -32,13 +32,13 @@ template <int D> ConcernedPoints concernedPoints(const MaterialPoints<D>& points
 			sum += points.position(a)[places.front()];
 		all.finite = std::isfinite(sum);
 	}
-	if (bands) {
-		const auto counts = bands->say(std::to_string(all.count));
-		const auto firsts = bands->say((all.finite ? "1" : "0") + all.first);
-		const auto named  = bands->say(std::string(reinterpret_cast<const char*>(ids.data()), ids.size() * sizeof(int)));
+	if (slabs) {
+		const auto counts = slabs->say(std::to_string(all.count));
+		const auto firsts = slabs->say((all.finite ? "1" : "0") + all.first);
+		const auto named  = slabs->say(std::string(reinterpret_cast<const char*>(ids.data()), ids.size() * sizeof(int)));
 		all               = {};
 		ids.clear();
-		for (int r = 0; r < bands->count(); ++r) {
+		for (int r = 0; r < slabs->count(); ++r) {
 			const std::size_t count = std::stoul(counts[r]);
 			if (all.count == 0 && count > 0) {
 				all.first  = firsts[r].substr(1);
@@ -56,7 +56,7 @@ template <int D> ConcernedPoints concernedPoints(const MaterialPoints<D>& points
 
 template std::string     whereabouts(const MaterialPoints<2>&, int, long);
 template std::string     whereabouts(const MaterialPoints<3>&, int, long);
-template ConcernedPoints concernedPoints(const MaterialPoints<2>&, const std::vector<int>&, long, Bands*);
-template ConcernedPoints concernedPoints(const MaterialPoints<3>&, const std::vector<int>&, long, Bands*);
+template ConcernedPoints concernedPoints(const MaterialPoints<2>&, const std::vector<int>&, long, SlabDecomposition*);
+template ConcernedPoints concernedPoints(const MaterialPoints<3>&, const std::vector<int>&, long, SlabDecomposition*);
 
 } // namespace talik

@@ -18,7 +18,7 @@ struct ConcernedPoints {
 	std::string first; ///< where the first one is
 	bool        finite = true;
 };
-/// places: those of this rank. With bands collective.
-template <int D> ConcernedPoints concernedPoints(const MaterialPoints<D>& points, const std::vector<int>& places, long step, Bands* bands);
+/// places: those of this rank. With slabs collective.
+template <int D> ConcernedPoints concernedPoints(const MaterialPoints<D>& points, const std::vector<int>& places, long step, SlabDecomposition* slabs);
 
 } // namespace talik

@@ -126,8 +126,8 @@ namespace {
 	class Crossing {
 	public:
 		/// going: places of the points that go to each rank, this one included.
-		Crossing(Bands& bands, std::vector<std::vector<int>> going)
-		        : bands_(bands)
+		Crossing(SlabDecomposition& slabs, std::vector<std::vector<int>> going)
+		        : slabs_(slabs)
 		        , going_(std::move(going))
 		        , parcels_(going_.size())
 		        , taken_(going_.size(), 0)
@@ -142,7 +142,7 @@ namespace {
 		}
 		void exchange()
 		{
-			parcels_ = bands_.ranks().exchange(parcels_);
+			parcels_ = slabs_.ranks().exchange(parcels_);
 			for (std::size_t r = 0; r < parcels_.size(); ++r)
 				count_ += isOwn(r) ? going_[r].size() : coming(r);
 		}
@@ -172,10 +172,10 @@ namespace {
 		}
 
 	private:
-		bool        isOwn(std::size_t r) const { return int(r) == bands_.rank(); }
+		bool        isOwn(std::size_t r) const { return int(r) == slabs_.rank(); }
 		std::size_t coming(std::size_t r) const { return parcels_[r].size() / perPoint_; }
 
-		Bands&                        bands_;
+		SlabDecomposition&            slabs_;
 		std::vector<std::vector<int>> going_;
 		std::vector<std::string>      parcels_;
 		std::vector<std::size_t>      taken_; ///< bytes of each parcel
@@ -183,7 +183,7 @@ namespace {
 	};
 } // namespace
 
-template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands& bands, const double* cost, const std::function<void()>& cut)
+template <int D> void MaterialPoints<D>::sortInSlabs(const Grid<D>& grid, SlabDecomposition& slabs, const double* cost, const std::function<void()>& cut)
 {
 	const Order<D>      order(grid);
 	const int           first = strips_.firstPoint(), end = strips_.endPoint();
@@ -195,15 +195,15 @@ template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands&
 		++counts[strip];
 		costs[strip] += cost[p];
 	}
-	counts = bands.sums(counts);
-	bands.weigh(bands.sums(costs));
+	counts = slabs.sums(counts);
+	slabs.weigh(slabs.sums(costs));
 	std::partial_sum(counts.begin(), counts.end(), strips_.first.begin() + 1);
 	cut();
 
-	std::vector<std::vector<int>> going(bands.count());
+	std::vector<std::vector<int>> going(slabs.count());
 	for (int p = first; p < end; ++p)
-		going[bands.rankOf(order.stripOf(number_[p - first]))].push_back(p);
-	Crossing crossing(bands, std::move(going));
+		going[slabs.rankOf(order.stripOf(number_[p - first]))].push_back(p);
+	Crossing crossing(slabs, std::move(going));
 	crossing.pack(number_.data(), first);
 	crossing.pack(id_.data());
 	crossing.pack(skeleton_.data());
@@ -215,16 +215,16 @@ template <int D> void MaterialPoints<D>::sortInBands(const Grid<D>& grid, Bands&
 	std::vector<int> numbers;
 	crossing.merge(number_.data(), numbers, first);
 	number_.swap(numbers);
-	findOrder(order.ofStrip(bands.firstStrip()), order.ofStrip(bands.endStrip()));
-	const int begin = bands.firstPoint();
+	findOrder(order.ofStrip(slabs.firstStrip()), order.ofStrip(slabs.endStrip()));
+	const int begin = slabs.firstPoint();
 	crossing.place(id_.data(), begin, from_);
 	crossing.place(skeleton_.data(), begin, from_);
 	if (!material_.empty()) crossing.place(material_.data(), begin, from_);
 	for (double* array : fields_.arrays())
 		crossing.place(array, begin, from_);
-	bands.shareByPoint(id_.data());
-	bands.shareByPoint(skeleton_.data());
-	if (!material_.empty()) bands.shareByPoint(material_.data());
+	slabs.shareByPoint(id_.data());
+	slabs.shareByPoint(skeleton_.data());
+	if (!material_.empty()) slabs.shareByPoint(material_.data());
 	idsRestored();
 }
 

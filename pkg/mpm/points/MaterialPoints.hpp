@@ -2,9 +2,9 @@
 #pragma once
 
 #include <pkg/mpm/grid/Grid.hpp>
-#include <pkg/mpm/points/Bands.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/points/SlabDecomposition.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 
 #include <array>
 #include <cstdint>
@@ -27,12 +27,12 @@ struct Strips {
 	bool             parallel = true; ///< false: one thread does all, which is faster for few points
 	std::vector<int> first;           ///< place of the first point of each strip; one more entry for the end
 
-	Bands* bands = nullptr; ///< strips are shared out among ranks: loops are over those of this one
+	SlabDecomposition* slabs = nullptr; ///< strips are shared out among ranks: loops are over those of this one
 
 	int count() const { return int(first.size()) - 1; }
 	/// Strips of this rank, and their points.
-	int begin() const { return bands ? bands->firstStrip() : 0; }
-	int end() const { return bands ? bands->endStrip() : count(); }
+	int begin() const { return slabs ? slabs->firstStrip() : 0; }
+	int end() const { return slabs ? slabs->endStrip() : count(); }
 	int firstPoint() const { return first[begin()]; }
 	int endPoint() const { return first[end()]; }
 
@@ -40,30 +40,30 @@ struct Strips {
 	/// adds, where there are several ranks.
 	template <class Work, class Share> void scatter(Work&& work, Share&& share) const
 	{
-		if (bands) share(bands->shared());
+		if (slabs) share(slabs->shared());
 		alternate(begin() + begin() % 2, work);
-		if (bands) bands->handOver();
+		if (slabs) slabs->handOver();
 		alternate(begin() + 1 - begin() % 2, work);
-		if (bands) bands->complete();
+		if (slabs) slabs->complete();
 	}
 
 	/// work(strip, firstPoint, lastPoint) for all strips at once: for loops that write to their own points only.
 	template <class Work> void gather(Work&& work) const
 	{
 		const int from = begin();
-		ThreadTeam::run(end() - from, threads(), [&](int s, int) { work(from + s, first[from + s], first[from + s + 1]); });
+		ThreadPool::run(end() - from, threads(), [&](int s, int) { work(from + s, first[from + s], first[from + s + 1]); });
 	}
 
 private:
 	/// Every other strip.
 	template <class Work> void alternate(int from, Work&& work) const
 	{
-		ThreadTeam::run((end() - from + 1) / 2, threads(), [&](int k, int) {
+		ThreadPool::run((end() - from + 1) / 2, threads(), [&](int k, int) {
 			const int s = from + 2 * k;
 			work(s, first[s], first[s + 1]);
 		});
 	}
-	int threads() const { return parallel ? ThreadTeam::threads() : 1; }
+	int threads() const { return parallel ? ThreadPool::threads() : 1; }
 };
 
 /// The material points: contiguous arrays, one per component, sorted so that neighbours in space are neighbours in
@@ -123,7 +123,7 @@ public:
 	void sort(const Grid<D>& grid);
 	/// The same for the points of all ranks, each of which has those of its band; cost: of each since the last cut, by place. cut() takes the
 	/// new strips. Points whose strip belongs to another rank then go there with all that they have. Collective.
-	void sortInBands(const Grid<D>& grid, Bands& bands, const double* cost, const std::function<void()>& cut);
+	void sortInSlabs(const Grid<D>& grid, SlabDecomposition& slabs, const double* cost, const std::function<void()>& cut);
 	/// How often the points were sorted: caches of places are valid as long as it stands.
 	long order() const { return order_; }
 

@@ -3,8 +3,8 @@
 
 #include <pkg/mpm/CostMeter.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
-#include <pkg/mpm/points/ArraysAhead.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/points/Prefetch.hpp>
 
 #include <algorithm>
 #include <array>
@@ -25,18 +25,17 @@ public:
 	}
 
 	/// What the passes over blocks read of the points.
-	ArraysAhead toGrid, flows, seepage, toPoints;
+	Prefetch toGrid, flows, seepage, toPoints;
 
 	/// work(block) for all points, with weights at their positions; never two neighbouring strips at once.
 	/// share(rows): names the arrays to which work adds; ahead: those of the points that it reads.
-	template <class Work, class Share> void scatter(const ArraysAhead& ahead, Work&& work, Share&& share)
+	template <class Work, class Share> void scatter(const Prefetch& ahead, Work&& work, Share&& share)
 	{
 		points_->strips().scatter([&](int, int first, int last) { overBlocks(ahead, first, last, work); }, share);
 	}
 	/// The parts of a pass in turn for each block of points, with weights at their positions and an array for what one part leaves to a later one.
 	/// finish(strip, firstPoint, lastPoint): when a strip's blocks are done.
-	template <class Share, class Finish, class... Work>
-	void inBlocks(const ArraysAhead& ahead, Share&& share, Finish&& finish, const PassPart<Work>&... parts)
+	template <class Share, class Finish, class... Work> void inBlocks(const Prefetch& ahead, Share&& share, Finish&& finish, const PassPart<Work>&... parts)
 	{
 		points_->strips().scatter(
 		        [&](int strip, int first, int last) {
@@ -53,7 +52,7 @@ public:
 	}
 	/// The parts of a pass in turn for each strip of points: work(strip, firstPoint, lastPoint, sample). share: empty where they add to no array that
 	/// strips share.
-	template <class... Work> void inStrips(const std::function<void(SharedRows&)>& share, const PassPart<Work>&... parts)
+	template <class... Work> void inStrips(const std::function<void(HaloExchange&)>& share, const PassPart<Work>&... parts)
 	{
 		const auto work = [&](int strip, int first, int last) {
 			CostMeter::Sample sample = cost_->sample(strip);
@@ -65,7 +64,7 @@ public:
 		cost_->lapShared();
 	}
 	/// work(block) for points first .. last.
-	template <class Work> void overBlocks(const ArraysAhead& ahead, int first, int last, Work&& work)
+	template <class Work> void overBlocks(const Prefetch& ahead, int first, int last, Work&& work)
 	{
 		WeightBlock<D>               w;
 		std::array<const double*, D> x;

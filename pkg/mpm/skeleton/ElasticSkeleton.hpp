@@ -3,7 +3,7 @@
 
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/thm/ParameterList.hpp>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ template <int D, int Piece = 256, int Parallel = 2000, class After> void updateE
 	double lambda[Piece], shear[Piece];
 	std::fill(lambda, lambda + Piece, moduli.lambda);
 	std::fill(shear, shear + Piece, moduli.shear);
-	ThreadTeam::run((b.count + Piece - 1) / Piece, b.count >= Parallel ? ThreadTeam::threads() : 1, [&](int i, int) {
+	ThreadPool::run((b.count + Piece - 1) / Piece, b.count >= Parallel ? ThreadPool::threads() : 1, [&](int i, int) {
 		const int end = std::min(b.count, (i + 1) * Piece);
 		for (int k = i * Piece; k < end;) {
 			// places that follow each other are worked on in one go

@@ -2,7 +2,7 @@
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
@@ -199,7 +199,7 @@ template <int D> std::optional<ShearStrength> MohrCoulombSkeleton<D>::shearStren
 template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D>& b)
 {
 	const int pieces = (b.count + pieceSize - 1) / pieceSize;
-	ThreadTeam::run(pieces, b.count >= 4000 ? ThreadTeam::threads() : 1, [&](int i, int) {
+	ThreadPool::run(pieces, b.count >= 4000 ? ThreadPool::threads() : 1, [&](int i, int) {
 		const int end = std::min(b.count, (i + 1) * pieceSize);
 		for (int k = i * pieceSize; k < end;) {
 			// places that follow each other are worked on in one go

@@ -10,7 +10,7 @@
 
 namespace talik {
 
-class Bands;
+class SlabDecomposition;
 
 /// Thrown by a skeleton model that has given every point a stress and wants the run to stop: Ground ends the step first and passes
 /// it on from updateEffectiveStress().
@@ -78,13 +78,13 @@ public:
 
 	/// Called once, after the fields exist and initial stresses are set.
 	virtual void initialise(const SkeletonBatch<D>&) {}
-	/// In bands it has to see the points of all ranks there, of which only the ice saturation is that of its rank; it sets those of this one.
+	/// In slabs it has to see the points of all ranks there, of which only the ice saturation is that of its rank; it sets those of this one.
 	virtual bool beginsWithAll() const { return false; }
 
-	/// In a ground in bands, when they were cut: by the ids of the points of all ranks in the order of places it knows whose they are. What it
+	/// In a ground in slabs, when they were cut: by the ids of the points of all ranks in the order of places it knows whose they are. What it
 	/// keeps behind points goes with them to their rank. moved: false where all ranks have the same, or what they have is replaced next; true in
 	/// a run, and then collective.
-	virtual void followBands(Bands&, const int* ids, bool moved)
+	virtual void followBands(SlabDecomposition&, const int* ids, bool moved)
 	{
 		(void)ids;
 		(void)moved;
@@ -93,10 +93,10 @@ public:
 	/// updateStress() is called for the points of one strip after the other, as it is on any number of ranks, and may throw on one of them.
 	virtual bool seesStrips() const { return false; }
 
-	/// Adds what these points have cost beyond the ground itself since it was asked last, in steps of a point of the ground: bands follow the cost.
+	/// Adds what these points have cost beyond the ground itself since it was asked last, in steps of a point of the ground: slabs follow the cost.
 	virtual void addCost(const SkeletonPoints&, double* costByPlace) { (void)costByPlace; }
 
-	/// Step 3 of the paper: effective stress from the strain of the step and the ice saturation. Runs its own threads. In bands every rank is
+	/// Step 3 of the paper: effective stress from the strain of the step and the ice saturation. Runs its own threads. In slabs every rank is
 	/// asked for its own points, also where it has none, and all of them throw or none.
 	virtual void updateStress(const SkeletonBatch<D>&) = 0;
 

@@ -6,7 +6,7 @@
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/python/ScriptValues.hpp>
 #include <pkg/python/StepGate.hpp>
-#include <pkg/ranks/RankTalk.hpp>
+#include <pkg/ranks/Communicator.hpp>
 
 #include <cerrno>
 #include <csignal>
@@ -239,7 +239,7 @@ namespace {
 
 void writeCheckpoint(const std::string& file, const boost::shared_ptr<Scene>& scene)
 {
-	AtomicFile      beside("checkpoint", file, headerLength, bool(jobTalk()));
+	AtomicFile      beside("checkpoint", file, headerLength, bool(jobCommunicator()));
 	CheckpointParts parts;
 	try {
 		const CheckpointParts::Writing  large(parts);

@@ -3,7 +3,7 @@
 #include <pkg/multiscale/checkpoints/CheckpointParts.hpp>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/engine/MpmEngine.hpp>
-#include <pkg/ranks/RankTalk.hpp>
+#include <pkg/ranks/Communicator.hpp>
 
 // The state of a running ground in an archive of its engine: all of it as text, which any archive takes; or, in a checkpoint, its numbers of
 // points and states of samples behind the archive, where each rank writes what it has, and the rest there, too.
@@ -38,7 +38,7 @@ namespace {
 void MpmEngine::preSave(MpmEngine&)
 {
 	if (!ground && parts.file) {
-		if (talik::jobTalk())
+		if (talik::jobCommunicator())
 			throw std::runtime_error(
 			        "MpmEngine: this ground was read from a checkpoint and has not begun: call mpm.initialise() on all ranks before it is saved.");
 		initialise();

@@ -4,7 +4,7 @@
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/engine/MpmEngine.hpp>
 #include <pkg/python/StepGate.hpp>
-#include <pkg/ranks/RankTalk.hpp>
+#include <pkg/ranks/Communicator.hpp>
 #include <pkg/thm/Errors.hpp>
 
 #include <iomanip>
@@ -251,7 +251,7 @@ void MpmEngine::initialise()
 	toleranceInForce  = tolerance;
 	distributeInForce = distribute;
 	try {
-		if (mayBeInBands()) ground->distribute(talik::jobTalk(), distribute == "ground");
+		if (mayBeInBands()) ground->distribute(talik::jobCommunicator(), distribute == "ground");
 		ground->initialise();
 		sayHowRanksShare();
 		restoreSavedState();
@@ -286,7 +286,7 @@ py::list MpmEngine::doubts()
 vector<string> MpmEngine::doubtsOfTheStart()
 {
 	vector<string> sentences;
-	if (begun || !saved.empty() || pointCount() == 0 || talik::jobTalk()) return sentences;
+	if (begun || !saved.empty() || pointCount() == 0 || talik::jobCommunicator()) return sentences;
 	const bool waiting = ground != nullptr;
 	silent             = true;
 	try {
@@ -313,26 +313,26 @@ void MpmEngine::shareAmongRanks()
 {
 	if (distribute != "automatic" && distribute != "samples" && distribute != "ground" && distribute != "none")
 		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, samples, ground or none.");
-	const auto& talk = talik::jobTalk();
-	const auto  what = distribute == "ground" ? SkeletonLaw::Shared::ground
-	         : !talk || distribute == "none"  ? SkeletonLaw::Shared::nothing
-	                                          : SkeletonLaw::Shared::samples;
-	samplesToShare   = false;
+	const auto& communicator = talik::jobCommunicator();
+	const auto  what         = distribute == "ground"        ? SkeletonLaw::Shared::ground
+	                 : !communicator || distribute == "none" ? SkeletonLaw::Shared::nothing
+	                                                         : SkeletonLaw::Shared::samples;
+	samplesToShare           = false;
 	if (motion)
 		for (const auto& law : activeSkeletons())
 			samplesToShare = (law && law->shareAmongRanks(what)) || samplesToShare;
-	if (talk && distribute == "ground" && !notInBands().empty())
+	if (communicator && distribute == "ground" && !notInSlabs().empty())
 		throw std::invalid_argument(
-		        "MpmEngine.distribute is 'ground', and this ground has " + notInBands()
+		        "MpmEngine.distribute is 'ground', and this ground has " + notInSlabs()
 		        + ", which slab decomposition does not support: choose samples or none.");
 }
 
-/// What this ground has that bands do not serve.
-string MpmEngine::notInBands() const
+/// What this ground has that slabs do not serve.
+string MpmEngine::notInSlabs() const
 {
 	if (!motion) return "";
 	for (const auto& law : activeSkeletons()) {
-		const string reason = law ? law->notInBands(usedDimension()) : "";
+		const string reason = law ? law->notInSlabs(usedDimension()) : "";
 		if (!reason.empty()) return reason;
 	}
 	return "";
@@ -342,15 +342,15 @@ string MpmEngine::notInBands() const
 bool MpmEngine::mayBeInBands() const
 {
 	constexpr int worthwhile = 100000; // points
-	if (!talik::jobTalk()) return false;
-	return distribute == "ground" || (distribute == "automatic" && !samplesToShare && notInBands().empty() && pointCount() >= worthwhile);
+	if (!talik::jobCommunicator()) return false;
+	return distribute == "ground" || (distribute == "automatic" && !samplesToShare && notInSlabs().empty() && pointCount() >= worthwhile);
 }
 
 void MpmEngine::sayHowRanksShare()
 {
-	const auto& talk = talik::jobTalk();
-	if (!talk) return;
-	const string ranks = "Talik: " + std::to_string(talk->count()) + " ranks ";
+	const auto& communicator = talik::jobCommunicator();
+	if (!communicator) return;
+	const string ranks = "Talik: " + std::to_string(communicator->count()) + " ranks ";
 	if (ground->inBands()) say(ranks + "share out the strips of this ground (MpmEngine.distribute).");
 	else if (samplesToShare && distribute != "none") say(ranks + "share out the samples of this ground (MpmEngine.distribute).");
 	else say(ranks + "each compute all of this ground, which takes as long as on one" + (samplesToShare ? "." : ": it has no samples to share out."));
@@ -359,15 +359,15 @@ void MpmEngine::sayHowRanksShare()
 /// Ranks that look at this ground alone see it as it was before all change it.
 void MpmEngine::meetBefore(const string& change) const
 {
-	if (talik::jobTalk() && (samplesToShare || ground->inBands())) talik::jobTalk()->meet(change);
+	if (talik::jobCommunicator() && (samplesToShare || ground->inBands())) talik::jobCommunicator()->meet(change);
 }
 
-/// Ranks whose ground drifts apart, as it does on different processors, stop. Ranks of bands have no points in common: what they owe each other
+/// Ranks whose ground drifts apart, as it does on different processors, stop. Ranks of slabs have no points in common: what they owe each other
 /// is compared by what follows from all of them, the times and the impulses of bodies.
 void MpmEngine::compareRanks()
 {
 	constexpr long interval = 100; // steps
-	if (!talik::jobTalk() || ground->steps() < nextComparison) return;
+	if (!talik::jobCommunicator() || ground->steps() < nextComparison) return;
 	nextComparison = ground->steps() + interval;
 	talik::Digest digest;
 	if (ground->inBands()) {
@@ -378,7 +378,7 @@ void MpmEngine::compareRanks()
 		for (const auto& array : ground->state())
 			digest.add(array.data, array.bytes);
 	}
-	talik::jobTalk()->meet("step " + std::to_string(ground->steps()) + " of the ground", digest.value());
+	talik::jobCommunicator()->meet("step " + std::to_string(ground->steps()) + " of the ground", digest.value());
 }
 
 void MpmEngine::sayGraveDoubts()
@@ -608,7 +608,7 @@ void MpmEngine::stepGround()
 	if (bodies) advanceAmongBodies();
 	else advanceAlone(newLimit);
 	compareRanks();
-	// once in a run; bands would hand each other their points for it, and look more seldom
+	// once in a run; slabs would hand each other their points for it, and look more seldom
 	if (segregation && newLimit && !said.count(lenses) && (!ground->inBands() || ground->steps() % 1000 == 0)) {
 		const string sentence = lensThatParts(*ground, pointCount(), gridSpacing);
 		if (!sentence.empty()) said.insert(lenses);

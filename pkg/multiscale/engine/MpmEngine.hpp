@@ -122,7 +122,7 @@ private:
 	void                            say(const string& sentence);
 	void                            shareAmongRanks();
 	bool                            mayBeInBands() const;
-	string                          notInBands() const;
+	string                          notInSlabs() const;
 	void                            sayHowRanksShare();
 	void                            meetBefore(const string& change) const;
 	void                            compareRanks();

@@ -76,7 +76,7 @@ private:
 };
 
 template <int Dim>
-DistributedStore<Dim>::DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<RankTalk> others)
+DistributedStore<Dim>::DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<Communicator> others)
         : StoreOfRanks<Dim>(std::move(here), std::move(others))
 {
 	for (std::size_t s = 0; s < held->size(); ++s)
@@ -120,10 +120,10 @@ template <int Dim> void DistributedStore<Dim>::restoreState(ByteReader& reader, 
 
 /// A rank for each request: the owner of the state. States that every rank has go to the rank with the fewest requests so far; those that
 /// agree bit for bit stay together, since they will share the next state.
-template <int Dim> std::vector<int> DistributedStore<Dim>::dealt(const std::vector<Request>& requests) const
+template <int Dim> std::vector<int> DistributedStore<Dim>::assigned(const std::vector<Request>& requests) const
 {
 	std::vector<int>         rankOf(requests.size(), nobody);
-	std::vector<std::size_t> load(std::size_t(talk->count()), 0);
+	std::vector<std::size_t> load(std::size_t(communicator->count()), 0);
 	for (std::size_t k = 0; k < requests.size(); ++k) {
 		rankOf[k] = stateOf.at(requests[k].sample)->owner;
 		if (rankOf[k] != nobody) load[std::size_t(rankOf[k])]++;
@@ -149,8 +149,8 @@ std::vector<PackedUpdateResult<Dim>> DistributedStore<Dim>::update(const std::ve
 {
 	this->enrol();
 	++updates;
-	talk->meet("update " + std::to_string(updates) + " of samples " + std::to_string(number), digestOf(requests));
-	Batch batch(requests, dealt(requests), talk->count());
+	communicator->meet("update " + std::to_string(updates) + " of samples " + std::to_string(number), digestOf(requests));
+	Batch batch(requests, assigned(requests), communicator->count());
 	compute(batch, options, threads);
 	spread(batch, options.tangent);
 	if (!batch.failure.empty()) throw std::runtime_error(batch.failure);
@@ -161,7 +161,7 @@ std::vector<PackedUpdateResult<Dim>> DistributedStore<Dim>::update(const std::ve
 
 template <int Dim> void DistributedStore<Dim>::compute(Batch& batch, const PackedUpdateOptions& options, int threads) const
 {
-	const auto&              places = batch.of(talk->rank());
+	const auto&              places = batch.of(communicator->rank());
 	std::vector<Request>     own;
 	std::vector<const void*> before;
 	for (const auto k : places) {
@@ -190,9 +190,9 @@ template <int Dim> void DistributedStore<Dim>::spread(Batch& batch, bool tangent
 {
 	const std::size_t        answerBytes = sizeof(Answer<Dim>) + (tangent ? sizeof(PackedTangent<Dim>) : 0);
 	std::vector<std::size_t> lengths;
-	for (int rank = 0; rank < talk->count(); ++rank)
+	for (int rank = 0; rank < communicator->count(); ++rank)
 		lengths.push_back(sizeof(Head) + batch.of(rank).size() * answerBytes);
-	const auto& mine = batch.of(talk->rank());
+	const auto& mine = batch.of(communicator->rank());
 	std::string going;
 	ByteWriter  words;
 	words.block(batch.failure);
@@ -216,10 +216,10 @@ template <int Dim> void DistributedStore<Dim>::spread(Batch& batch, bool tangent
 		if (result.blewUp) words.block(result.reason);
 	}
 	std::string all(std::accumulate(lengths.begin(), lengths.end(), std::size_t(0)), '\0');
-	talk->ranks().allGather(going.data(), lengths, &all[0]);
+	communicator->ranks().allGather(going.data(), lengths, &all[0]);
 	const char* from     = all.data();
 	bool        anyWords = false;
-	for (int rank = 0; rank < talk->count(); ++rank) {
+	for (int rank = 0; rank < communicator->count(); ++rank) {
 		anyWords = take<Head>(from).hasWords || anyWords;
 		for (const auto k : batch.of(rank)) {
 			auto&      result = batch.results[k];
@@ -236,9 +236,9 @@ template <int Dim> void DistributedStore<Dim>::spread(Batch& batch, bool tangent
 		}
 	}
 	if (!anyWords) return;
-	const auto said = talk->ranks().exchange(std::vector<std::string>(std::size_t(talk->count()), words.bytes()));
+	const auto said = communicator->ranks().exchange(std::vector<std::string>(std::size_t(communicator->count()), words.bytes()));
 	batch.failure.clear();
-	for (int rank = 0; rank < talk->count(); ++rank) {
+	for (int rank = 0; rank < communicator->count(); ++rank) {
 		ByteReader reader(said[std::size_t(rank)]);
 		const auto failure = reader.block();
 		if (!failure.empty() && batch.failure.empty()) batch.failure = failure + " (on rank " + std::to_string(rank) + ")";
@@ -250,7 +250,7 @@ template <int Dim> void DistributedStore<Dim>::spread(Batch& batch, bool tangent
 /// Samples take their new states, in all ranks alike; those of other ranks leave this one.
 template <int Dim> void DistributedStore<Dim>::takeOver(const Batch& batch)
 {
-	std::vector<double>                            load(std::size_t(talk->count()), 0.);
+	std::vector<double>                            load(std::size_t(communicator->count()), 0.);
 	std::map<std::int32_t, std::shared_ptr<State>> made;
 	for (std::size_t k = 0; k < batch.requests.size(); ++k) {
 		const std::size_t sample = batch.requests[k].sample;
@@ -265,7 +265,7 @@ template <int Dim> void DistributedStore<Dim>::takeOver(const Batch& batch)
 		state->cost += batch.cost[k];
 		stateOf[sample] = state;
 		changedElsewhere(sample);
-		if (rank != talk->rank()) held->release(sample);
+		if (rank != communicator->rank()) held->release(sample);
 	}
 	this->bookCosts(load);
 }
@@ -286,18 +286,18 @@ template <int Dim> void DistributedStore<Dim>::dealAgain()
 		owner.push_back(state.owner);
 		state.cost *= keptCost;
 	}
-	const auto next = dealtAgain(cost, owner, talk->count());
+	const auto next = rebalanced(cost, owner, communicator->count());
 	if (owner == next) return;
 	std::vector<std::vector<std::size_t>> samplesOf(states.firstOf.size());
 	for (std::size_t s = 0; s < states.stateOf.size(); ++s)
 		samplesOf[states.stateOf[s]].push_back(s);
-	std::vector<std::vector<typename StoreOfRanks<Dim>::Leaving>> leaving(std::size_t(talk->count()));
+	std::vector<std::vector<typename StoreOfRanks<Dim>::Leaving>> leaving(std::size_t(communicator->count()));
 	for (std::size_t i = 0; i < owned.size(); ++i) {
 		if (owner[i] == next[i]) continue;
 		++shared.moved;
 		for (const auto sample : samplesOf[owned[i]])
 			changedElsewhere(sample);
-		if (owner[i] == talk->rank()) leaving[std::size_t(next[i])].push_back({ samplesOf[owned[i]], "" });
+		if (owner[i] == communicator->rank()) leaving[std::size_t(next[i])].push_back({ samplesOf[owned[i]], "" });
 		stateOf[states.firstOf[owned[i]]]->owner = next[i];
 	}
 	this->move(leaving, [](const std::vector<std::size_t>&, const std::string&) {});
@@ -318,7 +318,7 @@ template <int Dim> SampleStore::Survey DistributedStore<Dim>::survey(const std::
 {
 	auto told = SampleStore::survey("");
 	if (number < 0 || question.empty()) return told;
-	const auto              answers = talk->ask(number, question);
+	const auto              answers = communicator->ask(number, question);
 	std::vector<ByteReader> readers(answers.begin(), answers.end());
 	for (std::size_t n = 0; n < told.firstOf.size(); ++n)
 		if (const int owner = ownerOf(told.firstOf[n]); owner != nobody) told.answers[n] = readers.at(std::size_t(owner)).block();

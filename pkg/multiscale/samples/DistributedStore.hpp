@@ -14,7 +14,7 @@ public:
 	using Result  = PackedUpdateResult<Dim>;
 
 	/// held: the samples as this rank has them; up to date are those of its own states and those that every rank has.
-	DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<RankTalk> talk);
+	DistributedStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<Communicator> communicator);
 
 	/// An update that fails on one rank fails on all, with the same sentence.
 	std::vector<Result> update(const std::vector<Request>&, const PackedUpdateOptions&, int threads) override;
@@ -26,7 +26,7 @@ public:
 private:
 	using StoreOfRanks<Dim>::nobody;
 	using StoreOfRanks<Dim>::held;
-	using StoreOfRanks<Dim>::talk;
+	using StoreOfRanks<Dim>::communicator;
 	using StoreOfRanks<Dim>::shared;
 	using StoreOfRanks<Dim>::number;
 
@@ -42,7 +42,7 @@ private:
 	void                         forget(std::size_t samples) override;
 	typename SampleStore::Survey survey(const std::string& question) const override;
 	std::string                  answerOfMine(const std::string& question) const override;
-	std::vector<int>             dealt(const std::vector<Request>&) const;
+	std::vector<int>             assigned(const std::vector<Request>&) const;
 	void                         compute(Batch&, const PackedUpdateOptions&, int threads) const;
 	void                         spread(Batch&, bool tangent) const;
 	void                         takeOver(const Batch&);

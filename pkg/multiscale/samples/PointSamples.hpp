@@ -81,7 +81,7 @@ protected:
 	};
 	/// Takes it into the books. Throws StopAfterStep where a sample blew up and the run has to stop.
 	void book(const Asked&);
-	/// Before states are restored: who gets them, where ranks have bands of the ground.
+	/// Before states are restored: who gets them, where ranks have slabs of the ground.
 	virtual void beginWithOwners() {}
 
 	std::vector<int>                prototypeOf, sampleOf;

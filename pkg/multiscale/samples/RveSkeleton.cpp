@@ -137,7 +137,7 @@ py::list RveSkeleton::deal(const py::object& position, int samples, int seed)
 	return numbers;
 }
 
-template <int Dim> vector<int> RveSkeleton::dealt(const Places<Dim>& places) const
+template <int Dim> vector<int> RveSkeleton::assigned(const Places<Dim>& places) const
 {
 	const int   count = std::max(1, int(samples.size() + scenes.size()));
 	vector<int> numbers;
@@ -171,7 +171,7 @@ string RveSkeleton::reasonAgainstPacking(int dimension) const
 }
 
 /// Their archives are exact to some 1e-12 only: one that followed its point to another rank would go on with other bits.
-string RveSkeleton::notInBands(int dimension) const { return form == "packed" && reasonAgainstPacking(dimension).empty() ? "" : "samples that run open"; }
+string RveSkeleton::notInSlabs(int dimension) const { return form == "packed" && reasonAgainstPacking(dimension).empty() ? "" : "samples that run open"; }
 
 template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
 {
@@ -286,13 +286,13 @@ template <int Dim> void RveSkeleton::prepareSlip(Stores<Dim>& stores)
 SkeletonLaw::Model<3> RveSkeleton::build(const Places<3>& places)
 {
 	checkSettings(int(places.size()));
-	return makeModel<3>(sampleOf.empty() ? dealt<3>(places) : sampleOf);
+	return makeModel<3>(sampleOf.empty() ? assigned<3>(places) : sampleOf);
 }
 
 SkeletonLaw::Model<2> RveSkeleton::build(const Places<2>& places)
 {
 	checkSettings(int(places.size()));
-	return makeModel<2>(sampleOf.empty() ? dealt<2>(places) : sampleOf);
+	return makeModel<2>(sampleOf.empty() ? assigned<2>(places) : sampleOf);
 }
 
 template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::makeModel(const vector<int>& numbers)
@@ -309,8 +309,8 @@ template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::make
 	std::shared_ptr<talik::SampleStoreOf<Dim>> store;
 	if (made.packed) store = made.packed;
 	else store = made.open;
-	if (talik::jobTalk() && shared == Shared::samples) store = std::make_shared<talik::DistributedStore<Dim>>(store, talik::jobTalk());
-	if (talik::jobTalk() && shared == Shared::ground) store = std::make_shared<talik::BandStore<Dim>>(store, talik::jobTalk());
+	if (talik::jobCommunicator() && shared == Shared::samples) store = std::make_shared<talik::DistributedStore<Dim>>(store, talik::jobCommunicator());
+	if (talik::jobCommunicator() && shared == Shared::ground) store = std::make_shared<talik::SlabStore<Dim>>(store, talik::jobCommunicator());
 	made.model  = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
 	deviceInUse = "cpu";
 	if (device != "cpu") useDevice(made);

@@ -29,7 +29,7 @@ public:
 	void                setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
 	talik::ErrorSquares errorSquares(const talik::SkeletonPoints& points) const override { return running().errorSquares(points); }
 	void                keepOnly(const talik::SkeletonPoints& points) override { running().keepOnly(points); }
-	string              notInBands(int dimension) const override;
+	string              notInSlabs(int dimension) const override;
 	bool                shareAmongRanks(Shared what) override
 	{
 		shared = what;
@@ -76,7 +76,7 @@ private:
 	string                                  reasonAgainstPacking(int dimension) const;
 	template <int Dim> void                 makeStore(Stores<Dim>&);
 	template <int Dim> void                 useDevice(Stores<Dim>&);
-	template <int Dim> vector<int>          dealt(const Places<Dim>& places) const;
+	template <int Dim> vector<int>          assigned(const Places<Dim>& places) const;
 	template <int Dim> void                 prepareSlip(Stores<Dim>&);
 	string                                  sourcesDigest(int dimension) const;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/points/Bands.hpp>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/points/SlabDecomposition.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/samples/SampleSkeleton.hpp>
 #include <pkg/multiscale/samples/StressPrediction.hpp>
@@ -33,7 +33,7 @@ template <int Dim>
 SampleSkeleton<Dim>::SampleSkeleton(std::shared_ptr<SampleStoreOf<Dim>> samples, std::vector<int> of, const SampleScheduling& s)
         : PointSamples(samples, std::move(of), s)
         , store(std::move(samples))
-        , banded(std::dynamic_pointer_cast<BandStore<Dim>>(store))
+        , banded(std::dynamic_pointer_cast<SlabStore<Dim>>(store))
 {}
 
 template <int Dim> void SampleSkeleton<Dim>::declareFields(PointFields& f, const std::string& prefix)
@@ -57,7 +57,7 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 		const double iceSaturation    = batch.iceSaturation ? batch.iceSaturation[place] : store->prototypeIce(prototypeOf[id]);
 		sampleOf[id]                  = int(store->size());
 		const SampleStart<Dim>& start = store->add(prototypeOf[id], iceSaturation, schedule.update);
-		if (bands && !bands->has(place)) continue;
+		if (slabs && !slabs->has(place)) continue;
 		a.setTangent(place, start.tangent);
 		a.setAccumulated(place, Matrix::Zero());
 		a.saturation[place] = iceSaturation;
@@ -69,7 +69,7 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 		if (accuracy) accuracy->begin(place);
 	}
 	count.points = placeOf.size();
-	if (bands) banded->own(owners(store->size()));
+	if (slabs) banded->own(owners(store->size()));
 }
 
 template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Dim>& batch)
@@ -77,7 +77,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 	const Record                a = fields.record();
 	const StressPrediction<Dim> predictor { a };
 	const auto                  when = scheduler();
-	if (bands) banded->beginStep();
+	if (slabs) banded->beginStep();
 	if (accuracy) accuracy->countStep();
 	if (a.time) when.passTime(a, batch);
 	flagScratch.assign(batch.count, 0);
@@ -95,7 +95,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
                 if (when.isDue(a, place, h, change, iceSaturation) || (schedule.iceCreep && when.hasCrept(a, batch, place))) flagScratch[k] = 1;
                 else if (schedule.prediction) storeStress<Dim>(batch, place, predictor.stress(place, h, change));
 	};
-	ThreadTeam::run((batch.count + piece - 1) / piece, batch.count >= fewestForThreads ? ThreadTeam::threads() : 1, [&](int i, int) {
+	ThreadPool::run((batch.count + piece - 1) / piece, batch.count >= fewestForThreads ? ThreadPool::threads() : 1, [&](int i, int) {
 		for (int k = i * piece; k < std::min(batch.count, (i + 1) * piece); ++k)
 			follow(k);
 	});
@@ -103,7 +103,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 	dueScratch.clear();
 	for (int k = 0; k < batch.count; ++k)
 		if (flagScratch[k]) dueScratch.push_back(batch.place[k]);
-	if (bands) askInBands(batch, dueScratch, a);
+	if (slabs) askInBands(batch, dueScratch, a);
 	else if (!dueScratch.empty()) book(ask(batch, dueScratch, a));
 }
 
@@ -172,7 +172,7 @@ SampleAccuracy::Term SampleSkeleton<Dim>::steer(
 	return accuracy->learn(answer, a.tolerance[place]);
 }
 
-// ---- where ranks have bands of the ground ---------------------------------------------------------------------------------
+// ---- where ranks have slabs of the ground ---------------------------------------------------------------------------------
 
 /// Answers stay where their points are. What has to be known by all ranks is how many there were, what they add to the estimated error, and
 /// which samples blew up.
@@ -194,7 +194,7 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAl
 		std::uint64_t calls, steps, errors, hasWords;
 		double        cost;
 	};
-	const auto byRank = bands->byRank(Told { own.calls, own.steps, own.errors.size(), !failure.empty() || !own.blownUp.empty(), banded->takeCost() });
+	const auto byRank = slabs->byRank(Told { own.calls, own.steps, own.errors.size(), !failure.empty() || !own.blownUp.empty(), banded->takeCost() });
 	Asked      all;
 	bool       anyWords = false;
 	std::vector<std::size_t> lengths;
@@ -210,7 +210,7 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAl
 	}
 	banded->bookCosts(costs);
 	all.errors.resize(errors);
-	if (errors > 0) bands->ranks().allGather(own.errors.data(), lengths, all.errors.data());
+	if (errors > 0) slabs->ranks().allGather(own.errors.data(), lengths, all.errors.data());
 	if (!anyWords) return all;
 	ByteWriter words;
 	words.block(failure);
@@ -220,8 +220,8 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAl
 		words.block(reason);
 		words.block(banded->stateToShow(sampleNumber(id))); // the first rank keeps it
 	}
-	const auto said = bands->say(words.bytes());
-	for (int rank = 0; rank < bands->count(); ++rank) {
+	const auto said = slabs->say(words.bytes());
+	for (int rank = 0; rank < slabs->count(); ++rank) {
 		ByteReader reader(said[std::size_t(rank)]);
 		const auto problem = reader.block();
 		if (!problem.empty()) throw std::runtime_error(problem);
@@ -244,18 +244,18 @@ template <int Dim> void SampleSkeleton<Dim>::addCost(const SkeletonPoints& point
 template <int Dim> std::vector<int> SampleSkeleton<Dim>::owners(std::size_t samples) const
 {
 	std::vector<int> ownerOf(samples, -1);
-	for (int rank = 0; rank < bands->count(); ++rank) {
-		const auto [first, end] = bands->pointsOf(rank);
+	for (int rank = 0; rank < slabs->count(); ++rank) {
+		const auto [first, end] = slabs->pointsOf(rank);
 		for (int place = first; place < end; ++place)
 			if (has(idAt[place])) ownerOf[std::size_t(sampleOf[idAt[place]])] = rank;
 	}
 	return ownerOf;
 }
 
-template <int Dim> void SampleSkeleton<Dim>::followBands(Bands& of, const int* ids, bool moved)
+template <int Dim> void SampleSkeleton<Dim>::followBands(SlabDecomposition& of, const int* ids, bool moved)
 {
-	if (!banded) throw std::logic_error("SampleSkeleton: a ground in bands needs a BandStore");
-	bands = &of;
+	if (!banded) throw std::logic_error("SampleSkeleton: a ground in slabs needs a SlabStore");
+	slabs = &of;
 	idAt  = ids;
 	if (moved) banded->deal(owners(store->size()));
 	else banded->own(owners(store->size()));
@@ -264,7 +264,7 @@ template <int Dim> void SampleSkeleton<Dim>::followBands(Bands& of, const int* i
 template <int Dim> void SampleSkeleton<Dim>::beginWithOwners()
 {
 	const int last = sampleOf.empty() ? -1 : *std::max_element(sampleOf.begin(), sampleOf.end());
-	if (bands) banded->own(owners(std::size_t(last + 1)));
+	if (slabs) banded->own(owners(std::size_t(last + 1)));
 }
 
 template <int Dim> ErrorSquares SampleSkeleton<Dim>::errorSquares(const SkeletonPoints& batch) const

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
-#include <pkg/multiscale/samples/BandStore.hpp>
 #include <pkg/multiscale/samples/PointSamples.hpp>
+#include <pkg/multiscale/samples/SlabStore.hpp>
 
 namespace talik {
 
@@ -24,7 +24,7 @@ public:
 
 	ErrorSquares errorSquares(const SkeletonPoints&) const override;
 
-	void followBands(Bands&, const int* ids, bool moved) override;
+	void followBands(SlabDecomposition&, const int* ids, bool moved) override;
 	void addCost(const SkeletonPoints&, double* costByPlace) override;
 
 private:
@@ -41,9 +41,9 @@ private:
 	void                            flagChanged(const SkeletonBatch<Dim>&);
 
 	std::shared_ptr<SampleStoreOf<Dim>> store;
-	std::shared_ptr<BandStore<Dim>>     banded;          ///< the same, where ranks may have bands of the ground
-	Bands*                              bands = nullptr; ///< they have
-	const int*                          idAt  = nullptr; ///< ids of the points of all bands, by place
+	std::shared_ptr<SlabStore<Dim>>     banded;          ///< the same, where ranks may have slabs of the ground
+	SlabDecomposition*                  slabs = nullptr; ///< they have
+	const int*                          idAt  = nullptr; ///< ids of the points of all slabs, by place
 	SampleFields<Dim>                   fields;
 	std::vector<int>                    dueScratch;
 	std::vector<char>                   flagScratch;

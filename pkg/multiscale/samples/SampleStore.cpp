@@ -205,7 +205,7 @@ namespace {
 	}
 } // namespace
 
-std::vector<int> dealtAgain(const std::vector<double>& cost, std::vector<int> owner, int ranks)
+std::vector<int> rebalanced(const std::vector<double>& cost, std::vector<int> owner, int ranks)
 {
 	constexpr double    enough = 1.02;
 	std::vector<double> load(std::size_t(ranks), 0.);

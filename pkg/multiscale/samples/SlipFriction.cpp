@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/multiscale/samples/SlipFriction.hpp>
 #include <pkg/rve/open/OpenSample.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
@@ -175,8 +175,8 @@ namespace {
                         }
 		};
 		// scenes are made by one thread: YADE's constructors ask the system for names
-		const int workers = anyOpen ? 1 : std::max(1, std::min(threads > 0 ? threads : ThreadTeam::threads(), int(runs.size())));
-		ThreadTeam::run(int(runs.size()), workers, [&](int r, int) { shear(std::size_t(r)); });
+		const int workers = anyOpen ? 1 : std::max(1, std::min(threads > 0 ? threads : ThreadPool::threads(), int(runs.size())));
+		ThreadPool::run(int(runs.size()), workers, [&](int r, int) { shear(std::size_t(r)); });
 		for (const auto& failure : failures)
 			if (failure) std::rethrow_exception(failure);
 

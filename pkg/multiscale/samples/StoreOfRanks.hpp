@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <pkg/multiscale/samples/SampleStore.hpp>
-#include <pkg/ranks/RankTalk.hpp>
+#include <pkg/ranks/Communicator.hpp>
 #include <set>
 
 namespace talik {
@@ -23,7 +23,7 @@ template <int Dim> void addTo(Digest& digest, const PackedRequest<Dim>& request)
 /// Samples of which each rank keeps its own up to date and has the others as they once were. What all of it share is here: owners answer for their
 /// samples, one that a rank only looks at is brought, and states move to other ranks as the bytes that a checkpoint holds of them. How samples
 /// get their owners, and who computes an update, is in the classes derived from it.
-template <int Dim> class StoreOfRanks : public SampleStoreOf<Dim>, protected RankTalk::Answerer {
+template <int Dim> class StoreOfRanks : public SampleStoreOf<Dim>, protected Communicator::Answerer {
 public:
 	int                 prototypeCount() const override { return held->prototypeCount(); }
 	double              prototypeIce(int prototype) const override { return held->prototypeIce(prototype); }
@@ -47,7 +47,7 @@ public:
 	void bring(std::size_t sample) const override
 	{
 		const int owner = ownerOf(sample);
-		if (owner != nobody && !seen.count(sample)) show(sample, talk->ask(number, aSample + std::to_string(sample)).at(std::size_t(owner)));
+		if (owner != nobody && !seen.count(sample)) show(sample, communicator->ask(number, aSample + std::to_string(sample)).at(std::size_t(owner)));
 	}
 	/// The state of a sample of this rank, for others to look at; empty where all have it.
 	std::string stateToShow(std::size_t sample) const { return isMine(sample) && !isEverywhere(sample) ? this->answer("state", sample) : ""; }
@@ -62,7 +62,7 @@ public:
 	}
 	void beforeReplacing(std::size_t sample) override
 	{
-		if (number >= 0) talk->meet("sample " + std::to_string(sample) + " is replaced");
+		if (number >= 0) communicator->meet("sample " + std::to_string(sample) + " is replaced");
 	}
 	std::uint64_t writeStates(const typename SampleStore::Layout& layout, const FilePlace& place) const override
 	{
@@ -70,7 +70,7 @@ public:
 		ByteWriter order;
 		order.block(place.text());
 		layout.save(order);
-		return sumOfParts(*talk, number, order.bytes());
+		return sumOfParts(*communicator, number, order.bytes());
 	}
 	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions& options) override
 	{
@@ -107,7 +107,7 @@ public:
 	/// What the updates of a step have cost, by rank: for the balance.
 	void bookCosts(const std::vector<double>& costs)
 	{
-		meanCost += std::accumulate(costs.begin(), costs.end(), 0.0) / talk->count();
+		meanCost += std::accumulate(costs.begin(), costs.end(), 0.0) / communicator->count();
 		largestCost += *std::max_element(costs.begin(), costs.end());
 	}
 
@@ -115,23 +115,23 @@ protected:
 	static constexpr int nobody = -1; ///< owns a sample that all ranks have alike
 
 	/// held: the samples as this rank has them.
-	StoreOfRanks(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<RankTalk> others)
+	StoreOfRanks(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<Communicator> others)
 	        : held(std::move(here))
-	        , talk(std::move(others))
+	        , communicator(std::move(others))
 	{}
 	~StoreOfRanks() override
 	{
-		if (number >= 0) talk->dismiss(number);
+		if (number >= 0) communicator->dismiss(number);
 	}
 
 	const SampleStore& here() const override { return *held; }
 	void               enrol()
 	{
-		if (number < 0) number = talk->enrol(this);
+		if (number < 0) number = communicator->enrol(this);
 	}
 
 	virtual int ownerOf(std::size_t sample) const = 0;
-	bool        isMine(std::size_t sample) const { return ownerOf(sample) == talk->rank(); }
+	bool        isMine(std::size_t sample) const { return ownerOf(sample) == communicator->rank(); }
 	/// Whether all ranks have the state of a sample, although one may own it.
 	virtual bool isEverywhere(std::size_t sample) const { return ownerOf(sample) == nobody; }
 	/// The sample takes the state that it has on this rank, the same on all ranks.
@@ -163,7 +163,7 @@ protected:
 			for (const auto& state : states)
 				for (const auto sample : state.samples)
 					held->release(sample);
-		for (const auto& bytes : talk->ranks().exchange(going)) {
+		for (const auto& bytes : communicator->ranks().exchange(going)) {
 			ByteReader reader(bytes);
 			while (!reader.atEnd()) {
 				const std::string        numbers = reader.block();
@@ -178,11 +178,11 @@ protected:
 	}
 
 	std::shared_ptr<SampleStoreOf<Dim>>   held;
-	std::shared_ptr<RankTalk>             talk;
+	std::shared_ptr<Communicator>         communicator;
 	mutable std::set<std::size_t>         seen;    ///< samples that are here as their owner has them
 	mutable std::set<std::size_t>         brought; ///< those of them that other ranks own
 	mutable typename SampleStore::Sharing shared;
-	int                                   number = -1; ///< of this store in the talk
+	int                                   number = -1; ///< of this store in the communicator
 
 private:
 	static inline const std::string aSample = "sample ";
@@ -197,7 +197,7 @@ private:
 		return partWritten([&](PartSum& sum) {
 			ByteReader reader(order);
 			const auto place  = FilePlace::from(reader.block());
-			const auto writes = [&](std::size_t sample) { return isMine(sample) || (talk->rank() == 0 && ownerOf(sample) == nobody); };
+			const auto writes = [&](std::size_t sample) { return isMine(sample) || (communicator->rank() == 0 && ownerOf(sample) == nobody); };
 			held->writeStates(SampleStore::Layout::from(reader), place, sum, writes);
 		});
 	}

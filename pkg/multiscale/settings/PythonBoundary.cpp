@@ -2,7 +2,7 @@
 #include <core/Scene.hpp>
 #include <pkg/multiscale/settings/GroundBoundaries.hpp>
 #include <pkg/python/PythonFunction.hpp>
-#include <pkg/ranks/RankTalk.hpp>
+#include <pkg/ranks/Communicator.hpp>
 
 namespace py = boost::python;
 
@@ -81,7 +81,7 @@ public:
 
 	std::uint64_t digest() const override { return digest_; }
 
-	void lookAt(const BoundaryNodes<D>& nodes) override
+	void evaluate(const BoundaryNodes<D>& nodes) override
 	{
 		given_.assign(nodes.slots, Vec<D> {});
 		digest_ = 0;

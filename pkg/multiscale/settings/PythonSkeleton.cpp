@@ -191,7 +191,7 @@ public:
 		byStrips = what == Shared::ground;
 		return false;
 	}
-	string notInBands(int) const override { return byStrips ? "" : "a law in Python"; }
+	string notInSlabs(int) const override { return byStrips ? "" : "a law in Python"; }
 
 private:
 	bool byStrips = false;

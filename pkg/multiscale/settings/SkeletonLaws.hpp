@@ -42,7 +42,7 @@ public:
 	virtual void                setTolerance(Real) {}
 	virtual talik::ErrorSquares errorSquares(const talik::SkeletonPoints&) const { return {}; }
 	/// Why this law cannot run with distribute='ground' in this dimension, as a phrase for the message, such as "samples that run open"; empty: it can.
-	virtual string notInBands(int) const { return {}; }
+	virtual string notInSlabs(int) const { return {}; }
 	/// What the ranks of the job share out.
 	enum class Shared { nothing, samples, ground };
 	/// Before build(). Says whether the law keeps something behind the points that can be shared out alone.

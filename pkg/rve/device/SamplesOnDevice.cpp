@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/rve/device/DeviceMemory.hpp>
 #include <pkg/rve/device/SampleImage.hpp>
 #include <pkg/rve/device/SamplesOnDevice.hpp>
@@ -164,10 +164,10 @@ template <int Dim> template <class Which, class Work> void SamplesOnDevice<Dim>:
 	std::vector<Task*> chosen;
 	for (Task& task : tasks)
 		if (which(task)) chosen.push_back(&task);
-	const int wanted = std::max(1, std::min(threads > 0 ? threads : ThreadTeam::threads(), int(chosen.size())));
+	const int wanted = std::max(1, std::min(threads > 0 ? threads : ThreadPool::threads(), int(chosen.size())));
 	while (workers.size() < std::size_t(wanted))
 		workers.push_back(std::make_unique<Worker>());
-	ThreadTeam::run(int(chosen.size()), wanted, [&](int k, int member) { work(*chosen[std::size_t(k)], worker(member)); });
+	ThreadPool::run(int(chosen.size()), wanted, [&](int k, int member) { work(*chosen[std::size_t(k)], worker(member)); });
 }
 
 /// What is left to the processor and said.

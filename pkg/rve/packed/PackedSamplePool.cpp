@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/rve/device/SamplesOnDevice.hpp>
 #include <pkg/rve/packed/CellSlip.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
@@ -223,7 +223,7 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 		if (k == 0 || compare(order[k - 1], order[k]) != 0) tasks.push_back({ k, k, nullptr });
 		tasks.back().end = k + 1;
 	}
-	const int wanted = std::max(1, std::min(threads > 0 ? threads : ThreadTeam::threads(), int(std::max<std::size_t>(1, tasks.size()))));
+	const int wanted = std::max(1, std::min(threads > 0 ? threads : ThreadPool::threads(), int(std::max<std::size_t>(1, tasks.size()))));
 	while (workers.size() < std::size_t(wanted))
 		workers.push_back(std::make_unique<Worker>());
 	std::vector<PackedUpdateResult<Dim>> results(requests.size());
@@ -258,7 +258,7 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 			std::vector<std::size_t> chosen;
 			for (std::size_t t = 0; t < tasks.size(); ++t)
 				if (which(t)) chosen.push_back(t);
-			ThreadTeam::run(int(chosen.size()), wanted, [&](int k, int member) {
+			ThreadPool::run(int(chosen.size()), wanted, [&](int k, int member) {
 				const std::size_t t = chosen[std::size_t(k)];
 				onProcessor(tasks[t], member, away[t].home);
 			});
@@ -274,7 +274,7 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 			if (away[t].stage == Away::done) take(tasks[t], away[t].result, { away[t].away ? nullptr : away[t].home, away[t].away });
 		away.clear();
 	} else {
-		ThreadTeam::run(int(tasks.size()), wanted, [&](int t, int member) {
+		ThreadPool::run(int(tasks.size()), wanted, [&](int t, int member) {
 			Task& task = tasks[std::size_t(t)];
 			onProcessor(task, member, compact(requests[order[task.begin]].sample));
 		});

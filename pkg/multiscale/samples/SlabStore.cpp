@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/multiscale/samples/BandStore.hpp>
+#include <pkg/multiscale/samples/SlabStore.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -8,14 +8,14 @@
 namespace talik {
 
 template <int Dim>
-BandStore<Dim>::BandStore(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<RankTalk> others)
+SlabStore<Dim>::SlabStore(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<Communicator> others)
         : StoreOfRanks<Dim>(std::move(here), std::move(others))
 {}
 
 // ---- states that every rank has -------------------------------------------------------------------------------------------
 
 /// Origins follow from what all ranks do alike.
-template <int Dim> std::uint64_t BandStore<Dim>::nextOrigin()
+template <int Dim> std::uint64_t SlabStore<Dim>::nextOrigin()
 {
 	Digest digest;
 	digest.add(++origins);
@@ -23,7 +23,7 @@ template <int Dim> std::uint64_t BandStore<Dim>::nextOrigin()
 }
 
 /// The sample begins with a state that the store keeps for others, too.
-template <int Dim> void BandStore<Dim>::beginAnew(std::size_t sample)
+template <int Dim> void SlabStore<Dim>::beginAnew(std::size_t sample)
 {
 	known.resize(held->size());
 	const auto found = beginnings.emplace(held->identity(sample), 0);
@@ -33,13 +33,13 @@ template <int Dim> void BandStore<Dim>::beginAnew(std::size_t sample)
 	brought.erase(sample);
 }
 
-template <int Dim> void BandStore<Dim>::forget(std::size_t samples)
+template <int Dim> void SlabStore<Dim>::forget(std::size_t samples)
 {
 	beginnings.clear();
 	known.assign(samples, Known {});
 }
 
-template <int Dim> void BandStore<Dim>::replaced(std::size_t sample)
+template <int Dim> void SlabStore<Dim>::replaced(std::size_t sample)
 {
 	known[sample]        = Known {};
 	known[sample].origin = nextOrigin();
@@ -47,7 +47,7 @@ template <int Dim> void BandStore<Dim>::replaced(std::size_t sample)
 }
 
 /// The states of a run are restored by their owners alone.
-template <int Dim> void BandStore<Dim>::restoreState(ByteReader& reader, const std::vector<std::size_t>& samples)
+template <int Dim> void SlabStore<Dim>::restoreState(ByteReader& reader, const std::vector<std::size_t>& samples)
 {
 	const std::uint64_t      origin = nextOrigin();
 	std::vector<std::size_t> mine;
@@ -59,29 +59,29 @@ template <int Dim> void BandStore<Dim>::restoreState(ByteReader& reader, const s
 	if (!mine.empty()) held->restoreState(reader, mine);
 }
 
-template <int Dim> bool BandStore<Dim>::wants(const std::vector<std::size_t>& samples) const
+template <int Dim> bool SlabStore<Dim>::wants(const std::vector<std::size_t>& samples) const
 {
 	return std::any_of(samples.begin(), samples.end(), [&](std::size_t sample) { return this->isMine(sample) || ownerOf(sample) == nobody; });
 }
 
 // ---- owners ---------------------------------------------------------------------------------------------------------------
 
-template <int Dim> void BandStore<Dim>::own(std::vector<int> ownerOf)
+template <int Dim> void SlabStore<Dim>::own(std::vector<int> ownerOf)
 {
 	this->enrol();
 	owner = std::move(ownerOf);
 }
 
-template <int Dim> void BandStore<Dim>::deal(std::vector<int> next)
+template <int Dim> void SlabStore<Dim>::deal(std::vector<int> next)
 {
 	if (owner.size() == next.size() && owner != next) send(next);
 	own(std::move(next));
 }
 
 /// Those that share a state go together. Samples that were never asked are there already.
-template <int Dim> void BandStore<Dim>::send(const std::vector<int>& next)
+template <int Dim> void SlabStore<Dim>::send(const std::vector<int>& next)
 {
-	std::vector<std::map<std::uint64_t, std::vector<std::size_t>>> states(std::size_t(talk->count()));
+	std::vector<std::map<std::uint64_t, std::vector<std::size_t>>> states(std::size_t(communicator->count()));
 	for (std::size_t s = 0; s < next.size(); ++s) {
 		if (owner[s] == next[s] || owner[s] == nobody) continue;
 		++shared.moved;
@@ -109,7 +109,7 @@ template <int Dim> void BandStore<Dim>::send(const std::vector<int>& next)
 
 // ---- update ---------------------------------------------------------------------------------------------------------------
 
-template <int Dim> void BandStore<Dim>::beginStep()
+template <int Dim> void SlabStore<Dim>::beginStep()
 {
 	++step;
 	for (const auto sample : brought)
@@ -119,7 +119,7 @@ template <int Dim> void BandStore<Dim>::beginStep()
 }
 
 template <int Dim>
-std::vector<PackedUpdateResult<Dim>> BandStore<Dim>::update(const std::vector<Request>& requests, const PackedUpdateOptions& options, int threads)
+std::vector<PackedUpdateResult<Dim>> SlabStore<Dim>::update(const std::vector<Request>& requests, const PackedUpdateOptions& options, int threads)
 {
 	std::vector<const void*> before;
 	for (const auto& request : requests)
@@ -146,14 +146,14 @@ std::vector<PackedUpdateResult<Dim>> BandStore<Dim>::update(const std::vector<Re
 	return results;
 }
 
-template <int Dim> double BandStore<Dim>::takeCost() { return std::exchange(cost, 0.0); }
+template <int Dim> double SlabStore<Dim>::takeCost() { return std::exchange(cost, 0.0); }
 
-template <int Dim> double BandStore<Dim>::takeCost(std::size_t sample) { return std::exchange(known[sample].cost, 0.0); }
+template <int Dim> double SlabStore<Dim>::takeCost(std::size_t sample) { return std::exchange(known[sample].cost, 0.0); }
 
 // ---- looking at samples that other ranks own ------------------------------------------------------------------------------
 
 /// Of this rank's samples in their order the origin, then of each of their states what is asked for.
-template <int Dim> std::string BandStore<Dim>::answerOfMine(const std::string& question) const
+template <int Dim> std::string SlabStore<Dim>::answerOfMine(const std::string& question) const
 {
 	ByteWriter               writer;
 	std::vector<std::size_t> mine;
@@ -167,10 +167,10 @@ template <int Dim> std::string BandStore<Dim>::answerOfMine(const std::string& q
 	return writer.bytes();
 }
 
-template <int Dim> SampleStore::Survey BandStore<Dim>::survey(const std::string& question) const
+template <int Dim> SampleStore::Survey SlabStore<Dim>::survey(const std::string& question) const
 {
 	std::vector<std::string> answers;
-	if (number >= 0) answers = talk->ask(number, question.empty() ? "origins" : question);
+	if (number >= 0) answers = communicator->ask(number, question.empty() ? "origins" : question);
 	std::vector<ByteReader>    readers(answers.begin(), answers.end());
 	std::vector<std::uint64_t> originOf;
 	for (std::size_t s = 0; s < known.size(); ++s)
@@ -192,7 +192,7 @@ template <int Dim> SampleStore::Survey BandStore<Dim>::survey(const std::string&
 	return told;
 }
 
-template class BandStore<2>;
-template class BandStore<3>;
+template class SlabStore<2>;
+template class SlabStore<3>;
 
 } // namespace talik

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/points/Bands.hpp>
+#include <pkg/mpm/points/SlabDecomposition.hpp>
 
 #include <algorithm>
 
@@ -15,19 +15,19 @@ namespace {
 	constexpr Extent ofNodes { 0, 3, 2 }, ofCells { -1, 1, 7 };
 } // namespace
 
-Bands::Bands(std::shared_ptr<RankTalk> talk, std::function<std::string(const std::string&)> answer)
-        : talk_(std::move(talk))
+SlabDecomposition::SlabDecomposition(std::shared_ptr<Communicator> communicator, std::function<std::string(const std::string&)> answer)
+        : communicator_(std::move(communicator))
         , answer_(std::move(answer))
-        , number_(talk_->enrol(this))
+        , number_(communicator_->enrol(this))
 {
 	strips_.assign(std::size_t(count()) + 1, 0);
 	points_ = strips_;
 }
 
-Bands::~Bands() { talk_->dismiss(number_); }
+SlabDecomposition::~SlabDecomposition() { communicator_->dismiss(number_); }
 
 namespace {
-	/// Of the bands.
+	/// Of the slabs.
 	double largestCost(const std::vector<int>& firstStrips, const std::vector<double>& before)
 	{
 		double largest = 0.0;
@@ -37,7 +37,7 @@ namespace {
 	}
 } // namespace
 
-void Bands::cut(const std::vector<int>& firstPoints, const Rows& rows)
+void SlabDecomposition::cut(const std::vector<int>& firstPoints, const Rows& rows)
 {
 	constexpr double worthMoving = 1.05; // largest cost of a band now over that after the cut
 	rows_                        = rows;
@@ -52,7 +52,7 @@ void Bands::cut(const std::vector<int>& firstPoints, const Rows& rows)
 		points_[r] = firstPoints[strips_[r]];
 }
 
-std::vector<int> Bands::fairly(const std::vector<double>& before) const
+std::vector<int> SlabDecomposition::fairly(const std::vector<double>& before) const
 {
 	const int        strips = int(before.size()) - 1, n = count();
 	std::vector<int> first(std::size_t(n) + 1, 0);
@@ -68,7 +68,7 @@ std::vector<int> Bands::fairly(const std::vector<double>& before) const
 	return first;
 }
 
-Bands::Part Bands::touched(bool beyond) const
+SlabDecomposition::Part SlabDecomposition::touched(bool beyond) const
 {
 	const int  low = firstStrip() * rows_.ofStrip, high = endStrip() * rows_.ofStrip;
 	const bool lowest = rank() == 0, highest = rank() + 1 == count();
@@ -77,35 +77,35 @@ Bands::Part Bands::touched(bool beyond) const
 	return { first(ofNodes), end(ofNodes, rows_.nodes), first(ofCells), end(ofCells, rows_.cells) };
 }
 
-template <class Work> void Bands::overMeetings(Work&& work) const
+template <class Work> void SlabDecomposition::overInterfaces(Work&& work) const
 {
-	if (rank() > 0) work(Meeting { rank() - 1, firstStrip() * rows_.ofStrip, true, firstStrip() % 2 == 0 });
-	if (rank() + 1 < count()) work(Meeting { rank() + 1, endStrip() * rows_.ofStrip, false, endStrip() % 2 != 0 });
+	if (rank() > 0) work(Interface { rank() - 1, firstStrip() * rows_.ofStrip, true, firstStrip() % 2 == 0 });
+	if (rank() + 1 < count()) work(Interface { rank() + 1, endStrip() * rows_.ofStrip, false, endStrip() % 2 != 0 });
 }
 
-std::size_t Bands::before(const SharedRows::Array& a, int row) const
+std::size_t SlabDecomposition::before(const HaloExchange::Array& a, int row) const
 {
 	if (a.rowStarts) return std::size_t((*a.rowStarts)[row]) * a.number;
-	const int numbers = a.of == SharedRows::Of::nodes ? row * rows_.nodesOfRow
-	        : a.of == SharedRows::Of::cells           ? row * rows_.cellsOfRow
-	                                                  : (row + 1) * rows_.nodesOfRow;
+	const int numbers = a.of == HaloExchange::Of::nodes ? row * rows_.nodesOfRow
+	        : a.of == HaloExchange::Of::cells           ? row * rows_.cellsOfRow
+	                                                    : (row + 1) * rows_.nodesOfRow;
 	return std::size_t(numbers) * a.number;
 }
 
-void Bands::pass(const SharedRows::Array& a, int neighbour, int first, int end, bool going)
+void SlabDecomposition::pass(const HaloExchange::Array& a, int neighbour, int first, int end, bool going)
 {
-	const int         all  = a.of == SharedRows::Of::nodes ? rows_.nodes : rows_.cells;
+	const int         all  = a.of == HaloExchange::Of::nodes ? rows_.nodes : rows_.cells;
 	const std::size_t from = before(a, std::clamp(first, 0, all)), to = before(a, std::clamp(end, 0, all));
 	if (from < to) (going ? going_ : coming_).push_back({ neighbour, a.begin + from, to - from });
 }
 
-void Bands::exchange(bool completed)
+void SlabDecomposition::exchange(bool completed)
 {
 	going_.clear();
 	coming_.clear();
-	overMeetings([&](const Meeting& m) {
-		for (const SharedRows::Array& a : shared_.arrays) {
-			const Extent& e     = a.of == SharedRows::Of::nodes ? ofNodes : ofCells;
+	overInterfaces([&](const Interface& m) {
+		for (const HaloExchange::Array& a : shared_.arrays) {
+			const Extent& e     = a.of == HaloExchange::Of::nodes ? ofNodes : ofCells;
 			const int     first = m.row + e.first, end = m.row + e.end;
 			pass(a, m.neighbour, first, end, m.even != completed);
 			if (!completed || !shared_.beyond) continue;
@@ -116,16 +116,16 @@ void Bands::exchange(bool completed)
 	ranks().pass(going_, coming_);
 }
 
-void Bands::handOver() { exchange(false); }
+void SlabDecomposition::handOver() { exchange(false); }
 
-void Bands::complete()
+void SlabDecomposition::complete()
 {
 	exchange(true);
 	shared_.arrays.clear();
 	shared_.beyond = false;
 }
 
-void Bands::gatherParts(void* values, std::size_t size, const std::vector<int>& begins)
+void SlabDecomposition::gatherParts(void* values, std::size_t size, const std::vector<int>& begins)
 {
 	lengths_.resize(std::size_t(count()));
 	for (int r = 0; r < count(); ++r)
@@ -133,7 +133,7 @@ void Bands::gatherParts(void* values, std::size_t size, const std::vector<int>& 
 	ranks().allGather(static_cast<char*>(values) + std::size_t(begins[rank()]) * size, lengths_, values);
 }
 
-void Bands::shareByCell(std::vector<unsigned char>& flags)
+void SlabDecomposition::shareByCell(std::vector<unsigned char>& flags)
 {
 	constexpr int bits   = 8;
 	const auto    begin  = [&](int r) { return std::min(strips_[r] * rows_.ofStrip, rows_.cells) * rows_.cellsOfRow; };
@@ -153,9 +153,9 @@ void Bands::shareByCell(std::vector<unsigned char>& flags)
 			flags[c] = from[k / bits] >> k % bits & 1;
 }
 
-int Bands::rankOf(int strip) const { return int(std::upper_bound(strips_.begin() + 1, strips_.end() - 1, strip) - strips_.begin()) - 1; }
+int SlabDecomposition::rankOf(int strip) const { return int(std::upper_bound(strips_.begin() + 1, strips_.end() - 1, strip) - strips_.begin()) - 1; }
 
-unsigned Bands::anyOf(unsigned bits)
+unsigned SlabDecomposition::anyOf(unsigned bits)
 {
 	unsigned all = 0;
 	for (const unsigned b : byRank(bits))
@@ -163,8 +163,8 @@ unsigned Bands::anyOf(unsigned bits)
 	return all;
 }
 
-std::vector<std::string> Bands::say(const std::string& own) { return ranks().exchange(std::vector<std::string>(std::size_t(count()), own)); }
+std::vector<std::string> SlabDecomposition::say(const std::string& own) { return ranks().exchange(std::vector<std::string>(std::size_t(count()), own)); }
 
-void Bands::meet(long step) { talk_->meet("step " + std::to_string(step) + " of a ground in bands"); }
+void SlabDecomposition::meet(long step) { communicator_->meet("step " + std::to_string(step) + " of a ground in slabs"); }
 
 } // namespace talik

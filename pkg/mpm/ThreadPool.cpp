@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -260,7 +260,7 @@ namespace {
 	}
 } // namespace
 
-int ThreadTeam::threads()
+int ThreadPool::threads()
 {
 #ifdef _OPENMP
 	return omp_in_parallel() ? 1 : omp_get_max_threads();
@@ -270,7 +270,7 @@ int ThreadTeam::threads()
 }
 
 /// A loop inside of a loop, or beside one of another thread, is done by the thread that asks.
-void ThreadTeam::share(int count, int threads, Function function, void* work)
+void ThreadPool::share(int count, int threads, Function function, void* work)
 {
 	Team& t = team();
 	if (t.busy.test_and_set(std::memory_order_acquire)) {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/ranks/Communicator.hpp>
 #include <pkg/ranks/PartedFile.hpp>
-#include <pkg/ranks/RankTalk.hpp>
 
 #include <functional>
 #include <vector>
@@ -11,7 +11,7 @@
 namespace talik {
 
 /// Arrays by rows of nodes, or of cells, to which the points of several strips add. Rows are those along the grid's slowest axis.
-class SharedRows {
+class HaloExchange {
 public:
 	enum class Of { nodes, cells, cellsByNode };
 	struct Array {
@@ -31,7 +31,7 @@ public:
 	void                    someNodes(double* begin, int numbers, const std::vector<int>& rowStarts) { add(begin, numbers, Of::nodes, &rowStarts); }
 
 	std::vector<Array> arrays;
-	bool               beyond = false; ///< the rows beyond those that both bands touch are to be known, too
+	bool               beyond = false; ///< the rows beyond those that both slabs touch are to be known, too
 
 private:
 	template <class T> void add(T* begin, int count, Of of, const std::vector<int>* rowStarts = nullptr)
@@ -44,9 +44,9 @@ private:
 /// at the nodes and cells that these reach. Numbers of nodes, cells and points are those of the whole ground. Only the band's own points are
 /// current until they are gathered.
 ///
-/// A sum at a node has the order that it has on one rank, even strips first, then odd ones: where two bands meet, the rank of the even strip
+/// A sum at a node has the order that it has on one rank, even strips first, then odd ones: where two slabs meet, the rank of the even strip
 /// hands the rows over that both strips touch, the rank of the odd strip goes on adding to them and gives them back.
-class Bands final : public RankTalk::Answerer {
+class SlabDecomposition final : public Communicator::Answerer {
 public:
 	/// Strips of how many rows of cells; a point adds to its cell, and to this many nodes from the row of its cell on, strayed points included.
 	struct Rows {
@@ -59,12 +59,12 @@ public:
 	/// A band has as many strips at least: the rows that its neighbours want to know are then its own.
 	static constexpr int leastStrips = 2;
 
-	Bands(std::shared_ptr<RankTalk> talk, std::function<std::string(const std::string&)> answer);
-	~Bands() override;
+	SlabDecomposition(std::shared_ptr<Communicator> communicator, std::function<std::string(const std::string&)> answer);
+	~SlabDecomposition() override;
 
-	int    count() const { return talk_->count(); }
-	int    rank() const { return talk_->rank(); }
-	Ranks& ranks() const { return talk_->ranks(); }
+	int    count() const { return communicator_->count(); }
+	int    rank() const { return communicator_->rank(); }
+	Ranks& ranks() const { return communicator_->ranks(); }
 
 	/// What each strip has cost, to be shared out from the next cut on; empty: points cost alike.
 	void weigh(std::vector<double> costs) { costs_ = std::move(costs); }
@@ -79,7 +79,7 @@ public:
 	Part touched(bool beyond) const;
 
 	/// To be filled before handOver(), complete() empties it.
-	SharedRows& shared() { return shared_; }
+	HaloExchange& shared() { return shared_; }
 	/// Between even and odd strips.
 	void handOver();
 	/// After the odd strips.
@@ -119,13 +119,13 @@ public:
 	/// Waits for the others, and answers what they ask.
 	void meet(long step);
 	/// Asks all ranks; may be called by some of them only.
-	std::vector<std::string> ask(const std::string& question) const { return talk_->ask(number_, question); }
+	std::vector<std::string> ask(const std::string& question) const { return communicator_->ask(number_, question); }
 
 	std::string answerTo(const std::string& question) const override { return answer_(question); }
 
 	/// Lets every rank write its part of a file, at its own place behind this one; may be called by one of them only. Returns the sum of all
 	/// parts. Throws std::runtime_error with the rank and the reason.
-	std::uint64_t write(const FilePlace& place) const { return sumOfParts(*talk_, number_, place.text()); }
+	std::uint64_t write(const FilePlace& place) const { return sumOfParts(*communicator_, number_, place.text()); }
 	std::string   carryOut(const std::string& place) const override
 	{
 		return partWritten([&](PartSum& sum) { writes(FilePlace::from(place), sum); });
@@ -134,33 +134,33 @@ public:
 
 	/// Whether the numbers of the point at a place are current here.
 	bool has(int place) const { return allCurrent || (place >= firstPoint() && place < endPoint()); }
-	/// The points of other bands are current too.
+	/// The points of other slabs are current too.
 	bool allCurrent = true;
 	/// Points of the band of a rank.
 	std::pair<int, int> pointsOf(int rank) const { return { points_[rank], points_[rank + 1] }; }
 
 private:
 	/// Where the band of this rank meets the next one.
-	struct Meeting {
+	struct Interface {
 		int  neighbour, row; ///< rank of the other band, and the first row of cells of the upper one
 		bool upper, even;    ///< this band is the upper one; its strip here is an even one
 	};
-	template <class Work> void overMeetings(Work&& work) const;
-	/// First strip of each band, and the end, of bands that cost alike as far as whole strips allow; before: cost of the strips before each.
+	template <class Work> void overInterfaces(Work&& work) const;
+	/// First strip of each band, and the end, of slabs that cost alike as far as whole strips allow; before: cost of the strips before each.
 	std::vector<int> fairly(const std::vector<double>& before) const;
 	/// Numbers of an array before a row.
-	std::size_t before(const SharedRows::Array& array, int row) const;
+	std::size_t before(const HaloExchange::Array& array, int row) const;
 	void        gatherParts(void* values, std::size_t size, const std::vector<int>& begins);
-	void        pass(const SharedRows::Array& array, int neighbour, int first, int end, bool going);
+	void        pass(const HaloExchange::Array& array, int neighbour, int first, int end, bool going);
 	void        exchange(bool completed);
 
-	std::shared_ptr<RankTalk>                      talk_;
+	std::shared_ptr<Communicator>                  communicator_;
 	std::function<std::string(const std::string&)> answer_;
 	int                                            number_;
 	std::vector<int>                               strips_, points_; ///< first of each rank, and the end
 	std::vector<double>                            costs_;           ///< of each strip; empty: that of its points
 	Rows                                           rows_;
-	SharedRows                                     shared_;
+	HaloExchange                                   shared_;
 	std::vector<Parcel>                            going_, coming_;
 	std::vector<std::size_t>                       lengths_;
 	std::vector<unsigned char>                     packed_;

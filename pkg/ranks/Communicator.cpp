@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/ranks/RankTalk.hpp>
+#include <pkg/ranks/Communicator.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -22,7 +22,7 @@ void Ranks::pass(const std::vector<Parcel>& going, const std::vector<Parcel>& co
 }
 
 /// What a rank holds up in each round.
-struct RankTalk::Message {
+struct Communicator::Message {
 	static constexpr std::int32_t meeting = -1;
 
 	std::uint64_t digest   = 0;       ///< of the state at a meeting; other than 0 with a question: it is an order
@@ -42,7 +42,7 @@ struct RankTalk::Message {
 	bool saysTheSame(const Message& other) const { return answerer == other.answerer && std::strcmp(text, other.text) == 0; }
 };
 
-std::vector<RankTalk::Message> RankTalk::round(const Message& mine)
+std::vector<Communicator::Message> Communicator::round(const Message& mine)
 {
 	auto messages = std::vector<Message>(std::size_t(count()));
 	ranks_->allGather(&mine, std::vector<std::size_t>(messages.size(), sizeof(Message)), messages.data());
@@ -54,7 +54,7 @@ namespace {
 } // namespace
 
 /// The part of this rank goes to all who ask the same.
-std::vector<std::string> RankTalk::answer(const std::vector<Message>& messages, const Message& question, const std::string& ownOrder)
+std::vector<std::string> Communicator::answer(const std::vector<Message>& messages, const Message& question, const std::string& ownOrder)
 {
 	std::string order;
 	if (question.orders()) {
@@ -71,7 +71,7 @@ std::vector<std::string> RankTalk::answer(const std::vector<Message>& messages, 
 	return ranks_->exchange(toEach);
 }
 
-void RankTalk::meet(const std::string& purpose, std::uint64_t digest)
+void Communicator::meet(const std::string& purpose, std::uint64_t digest)
 {
 	const Message mine(Message::meeting, purpose, digest);
 	for (;;) {
@@ -85,14 +85,14 @@ void RankTalk::meet(const std::string& purpose, std::uint64_t digest)
 	}
 }
 
-std::vector<std::string> RankTalk::ask(int answerer, const std::string& words) { return answersTo(Message(answerer, words, 0), ""); }
+std::vector<std::string> Communicator::ask(int answerer, const std::string& words) { return answersTo(Message(answerer, words, 0), ""); }
 
-std::vector<std::string> RankTalk::order(int answerer, const std::string& what)
+std::vector<std::string> Communicator::order(int answerer, const std::string& what)
 {
 	return answersTo(Message(answerer, "order of rank " + std::to_string(rank()), 1), what);
 }
 
-std::vector<std::string> RankTalk::answersTo(const Message& mine, const std::string& ownOrder)
+std::vector<std::string> Communicator::answersTo(const Message& mine, const std::string& ownOrder)
 {
 	for (;;) {
 		const auto    messages = round(mine);
@@ -110,20 +110,20 @@ std::vector<std::string> RankTalk::answersTo(const Message& mine, const std::str
 	}
 }
 
-int RankTalk::enrol(const Answerer* answerer)
+int Communicator::enrol(const Answerer* answerer)
 {
 	answerers[nextAnswerer] = answerer;
 	return nextAnswerer++;
 }
 
-std::string RankTalk::named(int rank) const
+std::string Communicator::named(int rank) const
 {
 	const std::string number = "rank " + std::to_string(rank);
 	return std::size_t(rank) < descriptions.size() ? number + " (" + descriptions[std::size_t(rank)] + ")" : number;
 }
 
 /// Names a rank that came to another place, or whose state is not that of most ranks.
-void RankTalk::requireSame(const std::vector<Message>& messages) const
+void Communicator::requireSame(const std::vector<Message>& messages) const
 {
 	for (std::size_t k = 1; k < messages.size(); ++k)
 		if (!messages[k].saysTheSame(messages[0]))

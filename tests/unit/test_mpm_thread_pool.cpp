@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/ThreadTeam.hpp>
+#include <pkg/mpm/ThreadPool.hpp>
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -14,14 +14,14 @@
 
 using namespace talik;
 
-TEST(ThreadTeam, everyPieceIsDoneExactlyOnceByAMemberOfTheTeam)
+TEST(ThreadPool, everyPieceIsDoneExactlyOnceByAMemberOfTheTeam)
 {
 	long done = 0;
 	for (int count : { 1, 2, 3, 7, 64, 1000, 65535, 65536, 200001 })
 		for (int threads : { 1, 2, 3, 8 }) {
 			std::vector<int> times(std::size_t(count), 0);
 			std::atomic<int> strangers { 0 };
-			ThreadTeam::run(count, threads, [&](int i, int member) {
+			ThreadPool::run(count, threads, [&](int i, int member) {
 				times[std::size_t(i)]++;
 				if (member < 0 || member >= threads) strangers++;
 			});
@@ -31,17 +31,17 @@ TEST(ThreadTeam, everyPieceIsDoneExactlyOnceByAMemberOfTheTeam)
 			done += count;
 		}
 	std::printf("%ld pieces done once each\n", done);
-	ThreadTeam::run(0, 4, [](int, int) { ADD_FAILURE() << "there is no piece"; });
+	ThreadPool::run(0, 4, [](int, int) { ADD_FAILURE() << "there is no piece"; });
 }
 
 /// A thread that comes late must not take a piece of the next loop for one of its own.
-TEST(ThreadTeam, manyShortLoopsInARowMixNothingUp)
+TEST(ThreadPool, manyShortLoopsInARowMixNothingUp)
 {
 	std::vector<long> sums(64, 0);
 	const int         loops = 100000;
 	for (int loop = 0; loop < loops; ++loop) {
 		const int count = 2 + loop % 62;
-		ThreadTeam::run(count, 4, [&, loop](int i, int) { sums[std::size_t(i)] += loop; });
+		ThreadPool::run(count, 4, [&, loop](int i, int) { sums[std::size_t(i)] += loop; });
 	}
 	std::vector<long> expected(64, 0);
 	for (int loop = 0; loop < loops; ++loop)
@@ -50,12 +50,12 @@ TEST(ThreadTeam, manyShortLoopsInARowMixNothingUp)
 	EXPECT_EQ(sums, expected);
 }
 
-TEST(ThreadTeam, noTwoThreadsHaveOneMemberNumberAtATime)
+TEST(ThreadPool, noTwoThreadsHaveOneMemberNumberAtATime)
 {
 	std::vector<std::atomic<int>> inside(4);
 	std::atomic<int>              meetings { 0 };
 	for (int loop = 0; loop < 200; ++loop)
-		ThreadTeam::run(100, 4, [&](int, int member) {
+		ThreadPool::run(100, 4, [&](int, int member) {
 			if (inside[std::size_t(member)]++ > 0) meetings++;
 			for (volatile int k = 0; k < 100;)
 				k = k + 1;
@@ -64,11 +64,11 @@ TEST(ThreadTeam, noTwoThreadsHaveOneMemberNumberAtATime)
 	EXPECT_EQ(meetings, 0);
 }
 
-TEST(ThreadTeam, anExceptionOfAPieceComesUpWhenAllHaveEndedAndTheTeamGoesOn)
+TEST(ThreadPool, anExceptionOfAPieceComesUpWhenAllHaveEndedAndTheTeamGoesOn)
 {
 	std::atomic<int> done { 0 };
 	EXPECT_THROW(
-	        ThreadTeam::run(
+	        ThreadPool::run(
 	                100, 3,
 	                [&](int i, int) {
 		                done++;
@@ -77,30 +77,30 @@ TEST(ThreadTeam, anExceptionOfAPieceComesUpWhenAllHaveEndedAndTheTeamGoesOn)
 	        std::runtime_error);
 	EXPECT_EQ(done, 100);
 	done = 0;
-	ThreadTeam::run(100, 3, [&](int, int) { done++; });
+	ThreadPool::run(100, 3, [&](int, int) { done++; });
 	EXPECT_EQ(done, 100);
 }
 
-TEST(ThreadTeam, loopsInsideOfLoopsAndOfSeveralThreadsAtATimeAreDoneToo)
+TEST(ThreadPool, loopsInsideOfLoopsAndOfSeveralThreadsAtATimeAreDoneToo)
 {
 	std::atomic<int>         done { 0 };
 	std::vector<std::thread> askers;
 	for (int asker = 0; asker < 3; ++asker)
 		askers.emplace_back([&] {
 			for (int loop = 0; loop < 200; ++loop)
-				ThreadTeam::run(8, 3, [&](int, int) { ThreadTeam::run(4, 3, [&](int, int) { done++; }); });
+				ThreadPool::run(8, 3, [&](int, int) { ThreadPool::run(4, 3, [&](int, int) { done++; }); });
 		});
 	for (auto& asker : askers)
 		asker.join();
 	EXPECT_EQ(done, 3 * 200 * 8 * 4);
 }
 
-TEST(ThreadTeam, aForkedProcessGoesOnWithThreadsOfItsOwn)
+TEST(ThreadPool, aForkedProcessGoesOnWithThreadsOfItsOwn)
 {
 	const auto loops = [] {
 		std::atomic<int> done { 0 };
 		for (int loop = 0; loop < 50; ++loop) {
-			ThreadTeam::run(20, 3, [&](int, int) { done++; });
+			ThreadPool::run(20, 3, [&](int, int) { done++; });
 			usleep(200); // helpers sleep in between
 		}
 		return done.load();

@@ -11,7 +11,7 @@ namespace talik {
 
 /// Arrays of the points that a pass reads block by block. They are fetched into the first-level cache a block ahead: a block holds too little of
 /// an array for the processor to see by itself where it goes on.
-class ArraysAhead {
+class Prefetch {
 public:
 	/// Null for a field that the scene does not have.
 	template <class Number> void add(const Number* array)

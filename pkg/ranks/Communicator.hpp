@@ -96,7 +96,7 @@ private:
 /// How ranks that run one script find each other. They meet where all have to act together, and one that only wants to know something
 /// asks: it is answered by the others when they come to their next meeting, wherever it is itself. So a rank may look at the ground
 /// when the others do not, as rank 0 does on the wall clock.
-class RankTalk {
+class Communicator {
 public:
 	/// Somebody on every rank who knows a part of what is asked for.
 	class Answerer {
@@ -108,7 +108,7 @@ public:
 		virtual std::string carryOut(const std::string&) const { return ""; }
 	};
 
-	explicit RankTalk(std::shared_ptr<Ranks> ranks)
+	explicit Communicator(std::shared_ptr<Ranks> ranks)
 	        : ranks_(std::move(ranks))
 	{}
 
@@ -147,8 +147,8 @@ private:
 	std::vector<std::string>       descriptions;
 };
 
-/// The talk of this job; nullptr in a process that is alone.
-const std::shared_ptr<RankTalk>& jobTalk();
+/// The communicator of this job; nullptr in a process that is alone.
+const std::shared_ptr<Communicator>& jobCommunicator();
 /// Joins the other ranks, if there are any. Collective; once.
 void openJobTalk();
 /// The one rank that prints, draws and writes; true in a process that is alone.

@@ -54,7 +54,7 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 	omp_set_num_threads(1);
 	const auto one    = slope<D>(scene, nullptr);
 	const auto wanted = march(*one, steps);
-	EXPECT_GE(one->points().order(), 2) << "points were sorted, and bands cut, anew";
+	EXPECT_GE(one->points().order(), 2) << "points were sorted, and slabs cut, anew";
 	if (scene.thawStrain > 0.0) {
 		std::vector<double> released(one->points().count());
 		one->copyById("thawStrainReleased", 0, released.data());
@@ -69,10 +69,10 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 	for (const int ranks : rankCounts)
 		for (const int threads : threadCounts) {
 			std::vector<long> different(ranks, -1);
-			asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
+			asRanks(ranks, [&](const std::shared_ptr<Communicator>& communicator) {
 				omp_set_num_threads(threads);
-				const auto ground       = slope<D>(scene, talk);
-				different[talk->rank()] = differing(wanted, march(*ground, steps));
+				const auto ground               = slope<D>(scene, communicator);
+				different[communicator->rank()] = differing(wanted, march(*ground, steps));
 			});
 			std::printf("%d-D, %s: %d ranks of %d threads:", D, scene.name, ranks, threads);
 			for (const long bytes : different) {
@@ -86,7 +86,7 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 
 } // namespace
 
-TEST(GroundBands, OnTwoRanksGiveTheBitsOfOneRank)
+TEST(GroundSlabs, OnTwoRanksGiveTheBitsOfOneRank)
 {
 	for (const Scene& scene :
 	     { dryApic, wet, all, withWalls, withBall, iceRichWet, heaving, heavingComputed, wetImplicit, wallImplicit, heavingImplicit, ballImplicit })
@@ -95,7 +95,7 @@ TEST(GroundBands, OnTwoRanksGiveTheBitsOfOneRank)
 		expectSameBits<3>(scene, 130, { 2 }, { 1 });
 }
 
-TEST(GroundBands, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
+TEST(GroundSlabs, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
 {
 	Scene half   = all;
 	half.name    = "heat, water, freezing, thaw front, a box that is filled to a third";
@@ -104,14 +104,14 @@ TEST(GroundBands, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
 	expectSameBits<3>(half, 130, { 3 }, { 1 });
 }
 
-TEST(GroundBands, InThePlaneOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
+TEST(GroundSlabs, InThePlaneOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
 	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withWalls, withBall, iceRich, iceRichWet, iceRichOwn, heaving,
 	                            heavingComputed, wetImplicit, allImplicit, wallImplicit, heavingImplicit, ballImplicit })
 		expectSameBits<2>(scene, 260, { 2, 3, 4 }, { 1, 2 });
 }
 
-TEST(GroundBands, InSpaceOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
+TEST(GroundSlabs, InSpaceOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
 	for (const Scene& scene :
 	     { dry, frozen, all, withWalls, withBall, iceRichWet, heaving, heavingComputed, allImplicit, wallImplicit, heavingImplicit, ballImplicit })
@@ -145,7 +145,7 @@ struct Kept {
 
 } // namespace
 
-TEST(GroundBands, WriteTheirPointsIntoOneFileFromWhichAnyNumberOfRanksGoesOn)
+TEST(GroundSlabs, WriteTheirPointsIntoOneFileFromWhichAnyNumberOfRanksGoesOn)
 {
 	constexpr int half   = 210;
 	const auto    whole  = slope<2>(all, nullptr);
@@ -161,41 +161,41 @@ TEST(GroundBands, WriteTheirPointsIntoOneFileFromWhichAnyNumberOfRanksGoesOn)
 	for (const int ranks : { 1, 2, 3 }) {
 		Kept              kept { testing::TempDir() + "points of " + std::to_string(ranks), {}, 0 };
 		std::vector<long> different(ranks, -1);
-		asRanks(ranks, [&](const std::shared_ptr<RankTalk>& talk) {
-			const auto ground = slope<2>(all, talk);
+		asRanks(ranks, [&](const std::shared_ptr<Communicator>& communicator) {
+			const auto ground = slope<2>(all, communicator);
 			stepOn(*ground, half);
-			if (talk->rank() == 0) kept.write(*ground); // the others write their part when they come here
-			talk->meet("it is written");
+			if (communicator->rank() == 0) kept.write(*ground); // the others write their part when they come here
+			communicator->meet("it is written");
 		});
 		EXPECT_EQ(kept.sum, one.sum);
 		EXPECT_EQ(kept.common, one.common);
-		asRanks(4 - ranks, [&](const std::shared_ptr<RankTalk>& talk) {
-			const auto ground = slope<2>(all, talk);
+		asRanks(4 - ranks, [&](const std::shared_ptr<Communicator>& communicator) {
+			const auto ground = slope<2>(all, communicator);
 			kept.read(*ground);
 			stepOn(*ground, 60);
 			const long bytes = differingBytes(wanted, ground->state());
-			if (talk->rank() == 0) different[0] = bytes;
+			if (communicator->rank() == 0) different[0] = bytes;
 		});
 		std::printf("written by %d ranks, gone on with by %d: %ld bytes differ from one rank throughout\n", ranks, 4 - ranks, different[0]);
 		EXPECT_EQ(different[0], 0);
 	}
 }
 
-TEST(GroundBands, AreCutByCostAndStayWhereLittleIsGained)
+TEST(GroundSlabs, AreCutByCostAndStayWhereLittleIsGained)
 {
 	const std::vector<int> firstPoints { 0, 10, 20, 30, 40, 50, 60, 70, 80 };
-	asRanks(2, [&](const std::shared_ptr<RankTalk>& talk) {
-		Bands      bands(talk, [](const std::string&) { return std::string(); });
-		const auto border = [&](std::vector<double> costs) {
-			bands.weigh(std::move(costs));
-			bands.cut(firstPoints, Bands::Rows());
-			return talk->rank() == 0 ? bands.endStrip() : bands.firstStrip();
+	asRanks(2, [&](const std::shared_ptr<Communicator>& communicator) {
+		SlabDecomposition slabs(communicator, [](const std::string&) { return std::string(); });
+		const auto        border = [&](std::vector<double> costs) {
+                        slabs.weigh(std::move(costs));
+                        slabs.cut(firstPoints, SlabDecomposition::Rows());
+                        return communicator->rank() == 0 ? slabs.endStrip() : slabs.firstStrip();
 		};
 		EXPECT_EQ(border({}), 4) << "points cost alike";
 		EXPECT_EQ(border({ 1, 1, 1, 1, 1, 1, 3, 3 }), 6) << "6 and 6";
 		EXPECT_EQ(border({ 1, 1, 1, 1, 1, 1.2, 3, 3 }), 6) << "as good as before";
 		EXPECT_EQ(border({ 9, 9, 1, 1, 1, 1, 1, 1 }), 2) << "no band has less than two strips";
-		EXPECT_EQ(bands.pointsOf(0), std::make_pair(0, 20));
+		EXPECT_EQ(slabs.pointsOf(0), std::make_pair(0, 20));
 	});
-	std::printf("strips of unequal cost are shared out between two bands, and few that gain nothing move\n");
+	std::printf("strips of unequal cost are shared out between two slabs, and few that gain nothing move\n");
 }

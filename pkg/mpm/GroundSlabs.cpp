@@ -8,7 +8,10 @@
 
 namespace talik {
 
-template <int D> void Ground<D>::distribute(std::shared_ptr<RankTalk> talk, bool required) { parts_->ranks.distribute(std::move(talk), required); }
+template <int D> void Ground<D>::distribute(std::shared_ptr<Communicator> communicator, bool required)
+{
+	parts_->ranks.distribute(std::move(communicator), required);
+}
 
 template <int D> bool Ground<D>::inBands() const { return bool(parts_->ranks); }
 
@@ -21,13 +24,13 @@ template <int D> std::string Ground<D>::Parts::refusalOfRanks() const
 template <int D> void Ground<D>::Parts::followBands(bool moved)
 {
 	for (const auto& skeleton : settings.skeletons)
-		skeleton->followBands(*ranks.bands(), points->ids(), moved);
+		skeleton->followBands(*ranks.slabs(), points->ids(), moved);
 }
 
 template <int D> void Ground<D>::Parts::keepOwnPart()
 {
 	const ActiveRange& halo  = ranks.halo();
-	const int          first = halo.firstNode, last = halo.lastNode, begin = ranks.bands()->firstPoint(), end = ranks.bands()->endPoint();
+	const int          first = halo.firstNode, last = halo.lastNode, begin = ranks.slabs()->firstPoint(), end = ranks.slabs()->endPoint();
 	if (motion) motion->nodes.keepOnly(first, last);
 	if (motion) motion->solved.keepOnly(first, last);
 	if (momentum) momentum->keepOnly(first, last);
@@ -49,16 +52,16 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 template <int D> const double* Ground<D>::Parts::costOfPoints() const
 {
 	double* const cost = scratch.data();
-	std::fill(cost + ranks.bands()->firstPoint(), cost + ranks.bands()->endPoint(), double(std::max(1L, clock.steps - clock.lastSort)));
+	std::fill(cost + ranks.slabs()->firstPoint(), cost + ranks.slabs()->endPoint(), double(std::max(1L, clock.steps - clock.lastSort)));
 	if (motion)
 		for (int k = 0; k < skeletons.count(); ++k)
 			skeletons.law(k).addCost(skeletons.batch(k, stepTime()), cost);
 	return cost;
 }
 
-template <int D> void Ground<D>::Parts::sortInBands()
+template <int D> void Ground<D>::Parts::sortInSlabs()
 {
-	points->sortInBands(grid, *ranks.bands(), costOfPoints(), [&] { ranks.cut(); });
+	points->sortInSlabs(grid, *ranks.slabs(), costOfPoints(), [&] { ranks.cut(); });
 	clock.range = ActiveRange::of(grid, *points);
 	ranks.keepOwnPoints();
 }
@@ -99,20 +102,20 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfRanks() const
 	return result;
 }
 
-template void           Ground<2>::distribute(std::shared_ptr<RankTalk>, bool);
+template void           Ground<2>::distribute(std::shared_ptr<Communicator>, bool);
 template bool           Ground<2>::inBands() const;
 template std::string    Ground<2>::Parts::refusalOfRanks() const;
 template void           Ground<2>::Parts::followBands(bool);
 template void           Ground<2>::Parts::keepOwnPart();
-template void           Ground<2>::Parts::sortInBands();
+template void           Ground<2>::Parts::sortInSlabs();
 template std::string    Ground<2>::Parts::ownLimits() const;
 template StableTimeStep Ground<2>::Parts::limitsOfRanks() const;
-template void           Ground<3>::distribute(std::shared_ptr<RankTalk>, bool);
+template void           Ground<3>::distribute(std::shared_ptr<Communicator>, bool);
 template bool           Ground<3>::inBands() const;
 template std::string    Ground<3>::Parts::refusalOfRanks() const;
 template void           Ground<3>::Parts::followBands(bool);
 template void           Ground<3>::Parts::keepOwnPart();
-template void           Ground<3>::Parts::sortInBands();
+template void           Ground<3>::Parts::sortInSlabs();
 template std::string    Ground<3>::Parts::ownLimits() const;
 template StableTimeStep Ground<3>::Parts::limitsOfRanks() const;
 

@@ -10,7 +10,7 @@ namespace talik {
 /// another busy process a loop then takes as long as the slowest of them is kept from its processor. Here every thread that has a processor
 /// takes pieces that are left. A thread that waits does so for some 30 us and then sleeps, which frees its processor for the others. Which
 /// thread takes a piece has no influence on results as long as pieces write to places of their own.
-class ThreadTeam {
+class ThreadPool {
 public:
 	/// Threads that a loop may use: those of OpenMP (yade -j, OMP_NUM_THREADS); 1 inside of another parallel loop.
 	static int threads();

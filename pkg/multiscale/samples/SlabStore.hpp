@@ -5,14 +5,14 @@
 
 namespace talik {
 
-/// Samples behind the points of a ground in bands: the rank that has a point owns its sample, and alone asks it. Its answers go nowhere, but the
+/// Samples behind the points of a ground in slabs: the rank that has a point owns its sample, and alone asks it. Its answers go nowhere, but the
 /// other ranks do not know how far its samples have come: they ask the owner. A sample that no rank has asked yet is on all ranks.
-template <int Dim> class BandStore final : public StoreOfRanks<Dim> {
+template <int Dim> class SlabStore final : public StoreOfRanks<Dim> {
 public:
 	using Request = PackedRequest<Dim>;
 	using Result  = PackedUpdateResult<Dim>;
 
-	BandStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<RankTalk> talk);
+	SlabStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<Communicator> communicator);
 
 	/// Of samples of this rank. Not collective.
 	std::vector<Result> update(const std::vector<Request>&, const PackedUpdateOptions&, int threads) override;
@@ -36,7 +36,7 @@ public:
 private:
 	using StoreOfRanks<Dim>::nobody;
 	using StoreOfRanks<Dim>::held;
-	using StoreOfRanks<Dim>::talk;
+	using StoreOfRanks<Dim>::communicator;
 	using StoreOfRanks<Dim>::brought;
 	using StoreOfRanks<Dim>::shared;
 	using StoreOfRanks<Dim>::number;
