@@ -500,6 +500,7 @@ py::dict RveSkeleton::cost() const
 		d["onDevice"]         = use.done;
 		d["endedOnProcessor"] = use.ended;
 		d["leftToProcessor"]  = use.left;
+		d["listsOnDevice"]    = use.lists;
 	}
 	if (const auto* sharing = s.samples().sharing()) {
 		d["owned"]   = sharing->samples;

@@ -57,11 +57,12 @@ namespace N_ONE {
 	TALIK_CARD inline void waitForBlock() { __syncthreads(); }
 #endif
 	/// Work that all threads of a block do before any of them goes on.
-	template <int Threads, class Work> TALIK_CARD inline TALIK_INLINED void together(Work work)
+	template <class Work> TALIK_CARD inline TALIK_INLINED void together(int, Work work)
 	{
 		work(threadNumber());
 		waitForBlock();
 	}
+	template <int Threads, class Work> TALIK_CARD inline TALIK_INLINED void together(Work work) { together(Threads, work); }
 	/// What a thread keeps for itself from one piece of work to the next.
 	template <class T, int Count, int Threads> struct Own {
 		T                                  kept[Count > 0 ? Count : 1];
@@ -74,19 +75,23 @@ namespace N_ONE {
 		if (bits > static_cast<const volatile std::uint64_t&>(most)) __atomic_fetch_max(&most, bits, __ATOMIC_RELAXED);
 	}
 	TALIK_CARD inline void count(std::uint32_t& counter) { __atomic_fetch_add(&counter, 1u, __ATOMIC_RELAXED); }
+	/// The number before it.
+	TALIK_CARD inline std::uint32_t countUp(std::uint32_t& counter) { return __atomic_fetch_add(&counter, 1u, __ATOMIC_RELAXED); }
 #define TALIK_UNROLL _Pragma("unroll")
 #else
-	template <int Threads, class Work> inline TALIK_INLINED void together(Work work)
+	template <class Work> inline TALIK_INLINED void together(int threads, Work work)
 	{
-		for (int thread = 0; thread < Threads; ++thread)
+		for (int thread = 0; thread < threads; ++thread)
 			work(thread);
 	}
+	template <int Threads, class Work> inline TALIK_INLINED void together(Work work) { together(Threads, work); }
 	template <class T, int Count, int Threads> struct Own {
 		T         kept[Count > 0 ? Count* Threads : 1];
 		inline T& operator()(int thread, int k) { return kept[thread * Count + k]; }
 	};
-	inline void raise(std::uint64_t& most, std::uint64_t bits) { most = most < bits ? bits : most; }
-	inline void count(std::uint32_t& counter) { ++counter; }
+	inline void          raise(std::uint64_t& most, std::uint64_t bits) { most = most < bits ? bits : most; }
+	inline void          count(std::uint32_t& counter) { ++counter; }
+	inline std::uint32_t countUp(std::uint32_t& counter) { return counter++; }
 #define TALIK_UNROLL
 #endif
 

@@ -16,9 +16,10 @@ struct PlaceLayout {
 	std::int32_t index, incidence, start, bond, images; ///< [bytes]
 	std::int32_t bytes;
 
-	/// Rows of grains: motion (discs x y v w angle, spheres x v w), then -1/m, 1/I with the sign that the kernels want, r, 1/slack^2.
+	/// Rows of grains: motion (discs x y v w angle, spheres x v w), then -1/m, 1/I with the sign that the kernels want, r, 1/slack^2,
+	/// r_0.
 	constexpr std::int32_t motionRows() const { return dimension == 2 ? 6 : 9; }
-	constexpr std::int32_t grainRows() const { return motionRows() + 4; }
+	constexpr std::int32_t grainRows() const { return motionRows() + 5; }
 	constexpr std::int32_t shearRows() const { return dimension == 2 ? 1 : 3; }
 	/// Rows of pairs: shear forces, sum of radii, stiffness, spheres (r_1 - r_2)/2; bonded: shear forces of the ice, offset, floor, cohesion, share
 	/// of the ice, k_g, area, u_grain, u_ice.
@@ -46,7 +47,13 @@ struct PlaceLayout {
 struct PairCode {
 	static constexpr int mostGrains = 1 << 12;
 	/// image: number of the row in the table of images, or -1 inside the cell.
-	static std::uint32_t of(std::uint32_t first, std::uint32_t second, int image) { return first | second << 12 | std::uint32_t(image + 1) << 24; }
+	static constexpr std::uint32_t of(std::uint32_t first, std::uint32_t second, int image)
+	{
+		return first | second << 12 | std::uint32_t(image + 1) << 24;
+	}
+	static constexpr std::uint32_t first(std::uint32_t code) { return code & 0xfff; }
+	static constexpr std::uint32_t second(std::uint32_t code) { return code >> 12 & 0xfff; }
+	static constexpr int           image(std::uint32_t code) { return int(code >> 24) - 1; }
 };
 
 /// One sample and all its steps: `moving` with the velocity gradient, the first of which brings it into force, then `resting` ones.
@@ -59,6 +66,7 @@ struct SampleCall {
 	double        iceRatio, tensileStrength, shearStrength, thickness;
 	double        formerIceRatio;                                                  ///< before the steps, where the ice changes
 	double        skin, travel, stretch, largestRadius, smallestRadius;            ///< see PackedListUse
+	double        meanRadius, young, bondAreaFactor;                               ///< for new lists
 	std::int32_t  grains, pairs, inside, images, moving, resting, thawed, tangent; ///< images >= 1: the first one moves the cell
 	std::int32_t  changesIce; ///< bonds follow the ice from formerIceRatio to iceRatio before the steps
 };
@@ -67,12 +75,14 @@ struct SampleCall {
 struct SampleAnswer {
 	double        forces[9]; ///< sum of G (x) x: stress times volume [N m]
 	double        hSize[9], prevHSize[9], trsf[9];
-	double        travel, stretch;
+	double        skin, travel, stretch;
 	double        tangent[27]; ///< sums of (13.4): second order, then fourth order
-	std::uint32_t steps;       ///< done: fewer than asked for where the lists of neighbours are used up
+	std::uint32_t steps;       ///< done: fewer than asked for where new lists of neighbours are for the host
 	std::uint32_t brokenInTension, brokenInShear;
-	std::uint32_t bonds;   ///< pairs that are or were bonded
-	std::uint32_t unsound; ///< numbers that are not finite, or overlaps of more than a radius
+	std::uint32_t lists;                 ///< built on the way
+	std::int32_t  pairs, inside, images; ///< of the lists of now
+	std::uint32_t bonds;                 ///< pairs that are or were bonded
+	std::uint32_t unsound;               ///< numbers that are not finite, or overlaps of more than a radius
 };
 
 struct KernelArguments {

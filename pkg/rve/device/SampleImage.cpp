@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/device/SampleImage.hpp>
@@ -7,8 +8,9 @@
 namespace talik {
 
 namespace {
-	/// Pairs come and go: lists of dense grains fit the place of the former ones.
+	/// Pairs come and go: the lists of dense grains fit the place of the former ones.
 	constexpr int                       pairStep      = 64;
+	constexpr double                    sparePairs    = 0.1;
 	template <int Dim> constexpr double pairsOfAGrain = Dim == 2 ? 2.25 : 2.5;
 
 	/// Rows of a place, as the kernels have them (Place in SampleKernels.hpp).
@@ -72,8 +74,12 @@ template <int Dim> std::string SampleImage<Dim>::reasonAgainst() const
 
 template <int Dim> PlaceLayout SampleImage<Dim>::layout() const
 {
-	const std::size_t pairs = workspace.innerLanes.pairs + workspace.periodicLanes.pairs, usual(pairsOfAGrain<Dim> * double(workspace.grainCount));
-	return PlaceLayout::of(Dim, int(workspace.grainCount), int(std::max(pairs, usual) / pairStep + 1) * pairStep, workspace.carriesBonds);
+	const int   grains = int(workspace.grainCount), pairs = int(workspace.innerLanes.pairs + workspace.periodicLanes.pairs);
+	const int   wanted  = int(std::max((1 + sparePairs) * pairs, pairsOfAGrain<Dim> * grains)) / pairStep + 1;
+	const auto& kernels = sampleKernels();
+	const auto  roomy   = PlaceLayout::of(Dim, grains, wanted * pairStep, workspace.carriesBonds);
+	if (std::any_of(kernels.begin(), kernels.end(), [&](const KernelShape& k) { return k.holds(roomy); })) return roomy;
+	return PlaceLayout::of(Dim, grains, (pairs / pairStep + 1) * pairStep, workspace.carriesBonds);
 }
 
 template <int Dim> void SampleImage<Dim>::write(const PlaceLayout& l, std::vector<unsigned char>& bytes) const
@@ -94,6 +100,7 @@ template <int Dim> void SampleImage<Dim>::write(const PlaceLayout& l, std::vecto
 		rows.constant(1, g) = view.inverseInertia[g];
 		rows.constant(2, g) = view.radius[g];
 		rows.constant(3, g) = view.inverseSlackSquare[g];
+		rows.constant(4, g) = workspace.grains->radius[g];
 	}
 	const std::vector<int>                  images = imageNumbers();
 	std::vector<std::vector<std::uint16_t>> ends(workspace.grainCount);
@@ -158,6 +165,9 @@ template <int Dim> SampleCall SampleImage<Dim>::call() const
 	c.stretch         = workspace.use.stretch;
 	c.largestRadius   = workspace.largestRadius;
 	c.smallestRadius  = workspace.smallestRadius;
+	c.meanRadius      = workspace.averageRadius;
+	c.young           = workspace.base.ice.young;
+	c.bondAreaFactor  = workspace.base.ice.bondAreaFactor;
 	c.grains          = std::int32_t(workspace.grainCount);
 	c.inside          = std::int32_t(workspace.innerLanes.pairs);
 	c.pairs           = c.inside + std::int32_t(workspace.periodicLanes.pairs);
@@ -168,37 +178,89 @@ template <int Dim> SampleCall SampleImage<Dim>::call() const
 
 template <int Dim>
 void SampleImage<Dim>::take(
-        const PlaceLayout& l, const std::vector<unsigned char>& bytes, const PackedParameters<Dim>& parameters, const PackedListUse<Dim>& use)
+        const PlaceLayout& l, const std::vector<unsigned char>& bytes, const SampleCall& call, const PackedParameters<Dim>& parameters,
+        std::shared_ptr<const PackedGrains> grains, const PackedListUse<Dim>& use)
 {
-	using Out = Rows<Dim, const unsigned char>;
-	const Out rows(l, bytes.data());
-	auto&     view = workspace.view;
-	workspace.adoptParameters(parameters);
-	workspace.use      = use;
-	workspace.iceRatio = parameters.ice.iceStiffnessRatio(parameters.iceSaturation); // it may have changed there
-	workspace.setStrengths();
-	for (std::size_t g = 0; g < workspace.grainCount; ++g) {
+	const Rows<Dim, const unsigned char> rows(l, bytes.data());
+	PackedState<Dim>                     state;
+	PackedLists<Dim>                     lists;
+	static_cast<PackedParameters<Dim>&>(state) = parameters;
+	static_cast<PackedListUse<Dim>&>(lists)    = use;
+	state.grains                               = std::move(grains);
+	takeGrains(rows, l.grains, state, lists);
+	takePairs(rows, l, call, state.contacts, lists);
+	workspace.setStrengthFactors({});
+	workspace.load(state, &lists);
+	workspace.carryBonds(l.bonded); // they may all be gone: the next update finds out
+}
+
+template <int Dim> template <class Out> void SampleImage<Dim>::takeGrains(const Out& rows, int grains, PackedState<Dim>& state, PackedLists<Dim>& lists)
+{
+	const std::size_t count = std::size_t(grains);
+	state.position.resize(count);
+	state.velocity.resize(count);
+	state.angularVelocity.resize(count);
+	state.orientation.resize(Dim == 2 ? count : 0);
+	lists.slack.resize(count);
+	for (std::size_t g = 0; g < count; ++g) {
 		for (int d = 0; d < Dim; ++d) {
-			view.position(g)[d] = rows.motion(d, g);
-			view.velocity(g)[d] = rows.motion(Dim + d, g);
+			state.position[g][d] = rows.motion(d, g);
+			state.velocity[g][d] = rows.motion(Dim + d, g);
 		}
-		for (int d = 0; d < PackedLayout<Dim>::angular; ++d)
-			view.spin(g, d) = rows.motion(2 * Dim + d, g);
-		if (Dim == 2) view.angle[g] = rows.motion(5, g);
-		workspace.spinRim(g);
+		if constexpr (Dim == 2) {
+			state.angularVelocity[g] = rows.motion(4, g);
+			state.orientation[g]     = rows.motion(5, g);
+		} else {
+			for (int d = 0; d < 3; ++d)
+				state.angularVelocity[g][d] = rows.motion(6 + d, g);
+		}
+		lists.slack[g] = std::uint8_t(-std::ilogb(rows.constant(3, g)) / 2);
 	}
-	forPairs([&](std::size_t p, auto& lanes, std::size_t lane, bool) {
-		const std::size_t b = lane / packedWidth, at = lane % packedWidth;
-		for (int d = 0; d < Out::shears; ++d)
-			lanes.block[b].shear[d][at] = rows.pair(Out::shear + d, p);
-		if (!l.bonded) return;
+}
+
+/// All pairs come as contacts: those that remember nothing are told apart when they are stored.
+template <int Dim>
+template <class Out>
+void SampleImage<Dim>::takePairs(const Out& rows, const PlaceLayout& l, const SampleCall& call, PackedContacts<Dim>& c, PackedLists<Dim>& lists)
+{
+	const std::size_t pairs = std::size_t(call.pairs), bonds = l.bonded ? pairs : 0;
+	lists.inside = std::size_t(call.inside);
+	lists.first.resize(pairs);
+	lists.second.resize(pairs);
+	lists.cellDist.resize(pairs - lists.inside);
+	c.cellDist.assign(pairs, {});
+	c.shear.resize(pairs);
+	c.iceShear.resize(bonds);
+	c.iceReference.resize(bonds);
+	c.grainReference.resize(bonds);
+	c.bond.resize(bonds);
+	const auto shearOf = [&](int row, std::size_t p) {
+		typename PackedTypes<Dim>::Shear s;
+		if constexpr (Dim == 2) s = rows.pair(row, p);
+		else
+			for (int d = 0; d < 3; ++d)
+				s[d] = rows.pair(row + d, p);
+		return s;
+	};
+	const auto* const images = rows.template at<std::int8_t>(l.images);
+	for (std::size_t p = 0; p < pairs; ++p) {
+		const std::uint32_t code = rows.template at<std::uint32_t>(l.index)[p];
+		lists.first[p]           = std::uint16_t(PairCode::first(code));
+		lists.second[p]          = std::uint16_t(PairCode::second(code));
+		if (PairCode::image(code) >= 0) {
+			std::copy_n(images + Dim * PairCode::image(code), Dim, c.cellDist[p].begin());
+			lists.cellDist[p - lists.inside] = c.cellDist[p];
+		}
+		c.shear[p] = shearOf(Out::shear, p);
+		if (!l.bonded) continue;
 		const std::uint8_t bond = rows.template at<std::uint8_t>(l.bond)[p];
-		lanes.bond[lane]        = { BondState(bond & 3), (bond & 4) != 0, rows.pair(Out::uGrain, p), rows.pair(Out::uIce, p) };
-		workspace.setResponse(lanes, lane);
-		for (int d = 0; d < Out::shears; ++d)
-			lanes.ice[b].iceShear[d][at] = rows.pair(Out::iceShear + d, p);
-	});
-	workspace.updateShiftRows();
+		c.iceShear[p]           = shearOf(Out::iceShear, p);
+		c.iceReference[p]       = rows.pair(Out::uIce, p);
+		c.grainReference[p]     = rows.pair(Out::uGrain, p);
+		c.bond[p]               = c.encode({ BondState(bond & 3), (bond & 4) != 0, 0, 0 });
+	}
+	c.first  = lists.first;
+	c.second = lists.second;
 }
 
 template class SampleImage<2>;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <memory>
 #include <pkg/rve/device/SampleCall.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <vector>
@@ -20,17 +21,19 @@ public:
 	/// What calls of this sample have in common: all but place, velocity gradient and steps.
 	SampleCall call() const;
 
-	/// The workspace holds a former state with the same lists: it takes the motion, forces and bonds of the bytes, the parameters and the use of
-	/// the lists.
-	void take(const PlaceLayout&, const std::vector<unsigned char>& bytes, const PackedParameters<Dim>& parameters, const PackedListUse<Dim>& use);
+	/// The workspace takes a sample from the bytes of its place, with the lists that the call has last seen; the parameters and the use of the lists
+	/// are not in the bytes.
+	void take(
+	        const PlaceLayout&, const std::vector<unsigned char>& bytes, const SampleCall& call, const PackedParameters<Dim>& parameters,
+	        std::shared_ptr<const PackedGrains> grains, const PackedListUse<Dim>& use);
 
-	/// Whether the lists of neighbours are to be built anew before the next step.
-	bool                      listsExhausted() const { return workspace.listsExhausted(); }
 	const PackedListUse<Dim>& listUse() const { return workspace.use; }
 
 private:
 	template <class Visitor> void forPairs(Visitor&& visit) const; ///< visit(number, lanes, lane, crosses)
 	std::vector<int>              imageNumbers() const;            ///< of the rows of shifts
+	template <class Out> void     takeGrains(const Out& rows, int grains, PackedState<Dim>& state, PackedLists<Dim>& lists);
+	template <class Out> void     takePairs(const Out& rows, const PlaceLayout&, const SampleCall&, PackedContacts<Dim>&, PackedLists<Dim>&);
 
 	PackedWorkspace<Dim>& workspace;
 };

@@ -3,181 +3,11 @@
 // law, failure of bonds and order of all sums are those of the packed samples: pkg/icebond/ContactForces.hpp and IceBond.hpp as they are, sums
 // of a grain in the order of the keys of its pairs, those inside the cell first.
 #pragma once
-#include <pkg/rve/device/CardTarget.hpp>
-#include <pkg/rve/device/SampleCall.hpp>
+#include <pkg/rve/device/SampleLists.hpp>
+#include <pkg/rve/device/SampleMemory.hpp>
 
 namespace talik {
 namespace N_ONE {
-
-	// ---------------------------------------------------------------------------------------------- cell, in plain numbers as on the host
-
-	template <int Dim> HWY_INLINE void multiply(const double* a, const double* b, double* c)
-	{
-		TALIK_UNROLL for (int i = 0; i < Dim; ++i) TALIK_UNROLL for (int j = 0; j < Dim; ++j)
-		{
-			double sum = 0;
-			TALIK_UNROLL for (int k = 0; k < Dim; ++k) sum += a[i * Dim + k] * b[k * Dim + j];
-			c[i * Dim + j] = sum;
-		}
-	}
-
-	template <int Dim> HWY_INLINE double volumeOf(const double* h, double thickness)
-	{
-		double volume;
-		if constexpr (Dim == 2) volume = h[0] * h[3] - h[1] * h[2];
-		else volume = h[0] * (h[4] * h[8] - h[5] * h[7]) - h[1] * (h[3] * h[8] - h[5] * h[6]) + h[2] * (h[3] * h[7] - h[4] * h[6]);
-		volume = __builtin_fabs(volume);
-		return Dim == 2 ? volume * thickness : volume;
-	}
-
-	/// Velocity gradient in force in a step, and the one that comes into force at its end.
-	template <int Dim> struct Gradients {
-		double     now[Dim * Dim], next[Dim * Dim];
-		HWY_INLINE Gradients(const SampleCall& call, int step)
-		{
-			TALIK_UNROLL for (int k = 0; k < Dim * Dim; ++k)
-			{
-				now[k]  = step > 0 && step <= call.moving ? call.velGrad[k] : 0.;
-				next[k] = step < call.moving ? call.velGrad[k] : 0.;
-			}
-		}
-	};
-
-	template <int Dim> struct Image {
-		double place[Dim], speed[Dim];
-	};
-
-	/// The cell, moved by a step of the velocity gradient, and an image of it. The one that `keeps` the cell writes it.
-	template <int Dim>
-	HWY_INLINE void moveCell(const double* before, double* after, bool keeps, const double* velGrad, double dt, const std::int8_t* cells, Image<Dim>& image)
-	{
-		double h[Dim * Dim], rate[Dim * Dim], moved[Dim * Dim];
-		TALIK_UNROLL for (int k = 0; k < Dim * Dim; ++k) h[k] = before[k];
-		multiply<Dim>(velGrad, h, rate);
-		TALIK_UNROLL for (int k = 0; k < Dim * Dim; ++k) moved[k] = h[k] + dt * rate[k];
-		TALIK_UNROLL for (int d = 0; d < Dim; ++d)
-		{
-			double x = 0, v = 0;
-			TALIK_UNROLL for (int e = 0; e < Dim; ++e)
-			{
-				x += moved[d * Dim + e] * cells[e];
-				v += rate[d * Dim + e] * cells[e];
-			}
-			image.place[d] = x;
-			image.speed[d] = v;
-		}
-		if (!keeps) return;
-		TALIK_UNROLL for (int k = 0; k < Dim * Dim; ++k)
-		{
-			after[k] = moved[k];
-			h[k]     = before[Dim * Dim + k];
-		}
-		multiply<Dim>(velGrad, h, rate);
-		TALIK_UNROLL for (int k = 0; k < Dim * Dim; ++k) after[Dim * Dim + k] = h[k] + dt * rate[k];
-	}
-
-	// ---------------------------------------------------------------------------------------------- memory
-
-	/// The place of a sample on the card.
-	template <int Dim, bool Bonded> struct Place {
-		static constexpr int motionRows = Dim == 2 ? 6 : 9, shearRows = Dim == 2 ? 1 : 3;
-		/// Rows of pairs.
-		enum Row {
-			shear          = 0,
-			sumRadius      = shearRows,
-			stiffness      = sumRadius + 1,
-			halfDifference = stiffness + 1, // of spheres
-			iceShear       = sumRadius + Dim,
-			offset         = iceShear + shearRows,
-			floorForce,
-			cohesion,
-			iceShare,
-			grainStiffness,
-			area,
-			uGrain,
-			uIce
-		};
-		unsigned char* const base;
-		const int            grains, pairs;
-		const PlaceLayout&   layout;
-		HWY_INLINE           Place(const SampleCall& call, const PlaceLayout& l)
-		        : base(reinterpret_cast<unsigned char*>(call.place))
-		        , grains(l.grains)
-		        , pairs(l.pairs)
-		        , layout(l)
-		{}
-		HWY_INLINE double& motion(int row, int g) const { return reinterpret_cast<double*>(base)[row * grains + g]; }
-		HWY_INLINE double  constant(int row, int g) const { return motion(motionRows + row, g); }
-		HWY_INLINE double& pair(int row, int p) const { return reinterpret_cast<double*>(base)[(motionRows + 4) * grains + row * pairs + p]; }
-		HWY_INLINE std::uint32_t index(int p) const { return reinterpret_cast<const std::uint32_t*>(base + layout.index)[p]; }
-		HWY_INLINE std::uint16_t incidence(int e) const { return reinterpret_cast<const std::uint16_t*>(base + layout.incidence)[e]; }
-		HWY_INLINE std::uint16_t start(int g) const { return reinterpret_cast<const std::uint16_t*>(base + layout.start)[g]; }
-		HWY_INLINE std::uint8_t& bond(int p) const { return base[layout.bond + p]; }
-		HWY_INLINE std::int8_t image(int k) const { return reinterpret_cast<const std::int8_t*>(base + layout.images)[k]; }
-
-		// A bond in a byte: its state, and whether the ice spring is cut.
-		HWY_INLINE IceBond iceBond(int p) const { return { BondState(bond(p) & 3), (bond(p) & 4) != 0, pair(uGrain, p), pair(uIce, p) }; }
-		HWY_INLINE void    setBond(int p, const IceBond& b) const
-		{
-			bond(p)         = std::uint8_t(int(b.state) | (b.iceCut ? 4 : 0));
-			pair(uGrain, p) = b.uGrain;
-			pair(uIce, p)   = b.uIce;
-		}
-		HWY_INLINE ContactStiffness contactStiffness(const SampleCall& call, int p) const
-		{
-			return { pair(grainStiffness, p), call.stiffnessRatio, call.iceRatio };
-		}
-		HWY_INLINE BondStrength strength(const SampleCall& call, int p) const
-		{
-			return { call.tensileStrength * pair(area, p), call.shearStrength * pair(area, p) };
-		}
-		HWY_INLINE void setResponse(int p, const ContactResponse<double>& r) const
-		{
-			pair(stiffness, p)  = r.stiffness;
-			pair(offset, p)     = r.offset;
-			pair(floorForce, p) = r.floor;
-			pair(cohesion, p)   = r.cohesion;
-			pair(iceShare, p)   = r.iceShare;
-		}
-	};
-
-	/// What a block holds whatever the size of its sample.
-	template <int Dim> struct Fixed {
-		double        cell[2][2 * Dim * Dim];
-		double        virial[4 * Dim * Dim], imageForce[mostImages][Dim];
-		Image<Dim>    image[mostImages];
-		std::uint64_t most[3]; ///< largest departure from the affine motion of a step, squared, as bits
-		std::uint32_t brokenInTension, brokenInShear, bonds, unsound;
-		std::int8_t   cells[mostImages * Dim];
-	};
-
-	/// The memory of a block: rows of grains and of pairs in twos.
-	template <int Dim> struct Shared {
-		static constexpr int grainTwos = Dim == 2 ? 2 : 6, pairTwos = Dim == 2 ? 2 : 4;
-		Fixed<Dim>&          fixed;
-		Two *const grain, *const pair;
-		One* const           rim; ///< discs
-		std::uint16_t *const start, *const incidence;
-		const int             grains, pairs;
-		static constexpr long fixedBytes = (sizeof(Fixed<Dim>) + 15) / 16 * 16;
-		static long           bytes(int grains, int pairs)
-		{
-			return fixedBytes + long(sizeof(Two)) * (grainTwos * grains + pairTwos * pairs) + (Dim == 2 ? 8 * grains : 0)
-			        + 2 * (grains + 1 + 2 * pairs);
-		}
-		HWY_INLINE Shared(unsigned char* memory, const PlaceLayout& l)
-		        : fixed(*reinterpret_cast<Fixed<Dim>*>(memory))
-		        , grain(reinterpret_cast<Two*>(memory + fixedBytes))
-		        , pair(grain + grainTwos * l.grains)
-		        , rim(reinterpret_cast<One*>(pair + pairTwos * l.pairs))
-		        , start(reinterpret_cast<std::uint16_t*>(rim + (Dim == 2 ? l.grains : 0)))
-		        , incidence(start + l.grains + 1)
-		        , grains(l.grains)
-		        , pairs(l.pairs)
-		{}
-		HWY_INLINE Two& ofGrain(int row, int g) const { return grain[row * grains + g]; }
-		HWY_INLINE Two& ofPair(int row, int p) const { return pair[row * pairs + p]; }
-	};
 
 	// ---------------------------------------------------------------------------------------------- laws
 
@@ -317,8 +147,6 @@ namespace N_ONE {
 
 	// ---------------------------------------------------------------------------------------------- what discs and spheres share
 
-	HWY_INLINE bool finite(double x) { return x * 0 == 0; }
-
 	/// Bits of what a thread brings to the largest departure from the affine motion; what is no number is more than any.
 	HWY_INLINE std::uint64_t bitsOf(One positive)
 	{
@@ -346,64 +174,56 @@ namespace N_ONE {
 		static constexpr int  Dim = Kernel::Dim, Threads = Kernel::Threads;
 		static constexpr bool Bonded = Kernel::Bonded;
 		using At                     = Place<Dim, Bonded>;
+		static_assert(Threads <= NewLists<Dim, Bonded>::mostThreads && Kernel::Pairs <= NewLists<Dim, Bonded>::mostPairsEach, "new lists fit");
 
 		TALIK_CARD static inline TALIK_INLINED void sample(
-		        const SampleCall& call, SampleAnswer& answer, const PlaceLayout& layout, unsigned char* memory)
+		        const SampleCall& given, SampleAnswer& answer, const PlaceLayout& layout, unsigned char* memory)
 		{
 			const Shared<Dim> s(memory, layout);
-			const At          place(call, layout);
+			const At          place(given, layout);
 			Fixed<Dim>&       fixed = s.fixed;
+			SampleCall&       call  = fixed.call;
 			Kernel            kernel;
-			const int         total = call.moving + call.resting;
-
 			together<Threads>([&](int t) TALIK_INLINED {
-				kernel.load(t, s, place, call);
-				for (int e = t; e < 2 * call.pairs; e += Threads)
-					s.incidence[e] = place.incidence(e);
-				for (int g = t; g <= call.grains; g += Threads)
-					s.start[g] = place.start(g);
-				const Gradients<Dim> l(call, 0);
-				double               cell[2 * Dim * Dim];
-				TALIK_UNROLL for (int k = 0; k < Dim * Dim; ++k)
-				{
-					cell[k]             = call.hSize[k];
-					cell[Dim * Dim + k] = call.trsf[k];
-				}
-				for (int k = Threads - 1 - t; k < call.images; k += Threads) {
-					for (int d = 0; d < Dim; ++d)
-						fixed.cells[Dim * k + d] = place.image(Dim * k + d);
-					moveCell<Dim>(cell, fixed.cell[0], k == 0, l.now, call.dt, fixed.cells + Dim * k, fixed.image[k]);
-				}
+				using Word = std::uint64_t __attribute__((may_alias));
+				static_assert(sizeof(SampleCall) % sizeof(Word) == 0, "whole words");
+				for (int k = t; k < int(sizeof(SampleCall) / sizeof(Word)); k += Threads)
+					reinterpret_cast<Word*>(&call)[k] = reinterpret_cast<const Word*>(&given)[k];
 				if (t != 0) return;
 				fixed.most[0] = fixed.most[1] = fixed.most[2] = 0;
-				fixed.brokenInTension = fixed.brokenInShear = fixed.bonds = fixed.unsound = 0;
+				fixed.brokenInTension = fixed.brokenInShear = fixed.bonds = fixed.unsound = fixed.lists = 0;
 			});
-
-			if constexpr (Bonded)
-				if (call.changesIce) together<Threads>([&](int t) TALIK_INLINED { changeIceOf(kernel, t, s, place, call); });
-			ListUse use { call.travel, call.stretch };
-			int     step = 0;
-			for (; step < total && !use.exhausted(call); ++step) {
-				together<Threads>([&](int t) TALIK_INLINED {
-					if (t == 0) fixed.most[(step + 1) % 3] = 0;
-					kernel.contacts(t, s, place, call);
-				});
-				together<Threads>([&](int t) TALIK_INLINED {
-					const Gradients<Dim> l(call, step);
-					kernel.integrate(t, s, place, call, l, step == 0 || step == call.moving, fixed.most[step % 3]);
-					if (step + 1 == total) return;
-					for (int k = Threads - 1 - t; k < call.images; k += Threads)
-						moveCell<Dim>(
-						        fixed.cell[step & 1], fixed.cell[~step & 1], k == 0, l.next, call.dt, fixed.cells + Dim * k,
-						        fixed.image[k]);
-				});
-				use.add(call, step < call.moving, fixed.most[step % 3]);
+			const int total = call.moving + call.resting;
+			ListUse   use { call.travel, call.stretch };
+			int       step = 0;
+			for (bool begins = true;; begins = false) {
+				take(kernel, call, s, place, step);
+				if constexpr (Bonded)
+					if (begins && call.changesIce) together<Threads>([&](int t) TALIK_INLINED { changeIceOf(kernel, t, s, place, call); });
+				for (; step < total && !use.exhausted(call); ++step) {
+					together<Threads>([&](int t) TALIK_INLINED {
+						if (t == 0) fixed.most[(step + 1) % 3] = 0;
+						kernel.contacts(t, s, place, call);
+					});
+					together<Threads>([&](int t) TALIK_INLINED {
+						const Gradients<Dim> l(call, step);
+						kernel.integrate(t, s, place, call, l, step == 0 || step == call.moving, fixed.most[step % 3]);
+						if (step + 1 == total) return;
+						for (int k = Threads - 1 - t; k < call.images; k += Threads)
+							moveCell<Dim>(
+							        fixed.cell[step & 1], fixed.cell[~step & 1], k == 0, l.next, call.dt, fixed.cells + Dim * k,
+							        fixed.image[k]);
+					});
+					use.add(call, step < call.moving, fixed.most[step % 3]);
+				}
+				if (step == total) stress(call, s, place, answer);
+				together<Threads>([&](int t) TALIK_INLINED { kernel.store(t, s, place, call); });
+				if (step == total || !newLists(call, s, place, step)) break;
+				use = { 0, 0 };
 			}
 			// lists that are used up before the end leave the cell one step ahead
 			const int last = step > 0 ? (step - 1) & 1 : 0;
-			stress(call, s, place, answer, fixed.cell[last]);
 			together<Threads>([&](int t) TALIK_INLINED {
-				kernel.store(t, s, place, call);
 				if (Bonded)
 					for (int p = t; p < call.pairs; p += Threads)
 						if (place.bond(p) & 3) count(fixed.bonds);
@@ -418,10 +238,15 @@ namespace N_ONE {
 					}
 				}
 			});
-			checkPairs(call, s, place);
-			if (call.tangent) tangent(call, s, place, answer, fixed.cell[last]);
+			if (step == total) checkPairs(call, s, place);
+			if (step == total && call.tangent) tangent(call, s, place, answer, fixed.cell[last]);
 			together<Threads>([&](int t) TALIK_INLINED {
 				if (t != 0) return;
+				answer.lists           = fixed.lists;
+				answer.pairs           = call.pairs;
+				answer.inside          = call.inside;
+				answer.images          = call.images;
+				answer.skin            = call.skin;
 				answer.travel          = use.travel;
 				answer.stretch         = use.stretch;
 				answer.steps           = std::uint32_t(step);
@@ -432,9 +257,55 @@ namespace N_ONE {
 			});
 		}
 
+		/// From the place into the block, and the cell and its images for a step.
+		TALIK_CARD static inline TALIK_INLINED void take(Kernel& kernel, const SampleCall& call, const Shared<Dim>& s, const At& place, int step)
+		{
+			Fixed<Dim>& fixed = s.fixed;
+			together<Threads>([&](int t) TALIK_INLINED {
+				kernel.load(t, s, place, call);
+				for (int e = t; e < 2 * call.pairs; e += Threads)
+					s.incidence[e] = place.incidence(e);
+				for (int g = t; g <= call.grains; g += Threads)
+					s.start[g] = place.start(g);
+				const Gradients<Dim> l(call, step);
+				double               cell[2 * Dim * Dim];
+				TALIK_UNROLL for (int k = 0; k < Dim * Dim; ++k)
+				{
+					cell[k]             = step > 0 ? fixed.cell[~step & 1][k] : call.hSize[k];
+					cell[Dim * Dim + k] = step > 0 ? 0. : call.trsf[k];
+				}
+				for (int k = Threads - 1 - t; k < call.images; k += Threads) {
+					for (int d = 0; d < Dim; ++d)
+						fixed.cells[Dim * k + d] = place.image(Dim * k + d);
+					moveCell<Dim>(cell, fixed.cell[0], k == 0 && step == 0, l.now, call.dt, fixed.cells + Dim * k, fixed.image[k]);
+				}
+			});
+		}
+
+		/// Before a step that needs them, of a sample that has been stored. False where it is not sound, or the host must.
+		TALIK_CARD static inline TALIK_INLINED bool newLists(SampleCall& call, const Shared<Dim>& s, const At& place, int step)
+		{
+			Fixed<Dim>& fixed = s.fixed;
+			together<Threads>([&](int t) TALIK_INLINED {
+				for (int k = t; k < call.images; k += Threads)
+					TALIK_UNROLL for (int d = 0; d < Dim; ++d) // where the images were in the step before
+					{
+						double x = 0;
+						TALIK_UNROLL for (int e = 0; e < Dim; ++e) x += (step > 0 ? fixed.cell[~step & 1][d * Dim + e]
+						                                                          : call.hSize[d * Dim + e])
+						        * fixed.cells[Dim * k + e];
+						fixed.image[k].place[d] = x;
+					}
+				if (t != 0) return;
+				fixed.found[0] = fixed.found[1] = fixed.kept[0] = fixed.kept[1] = fixed.images = fixed.noLists = 0;
+			});
+			checkPairs(call, s, place);
+			if (fixed.unsound) return false;
+			return NewLists<Dim, Bonded>::of(s, place, call, Threads, fixed.cell[step & 1], Gradients<Dim>(call, step));
+		}
+
 		/// Love-Weber: sum of G (x) x over grains, less that of the images.
-		TALIK_CARD static inline TALIK_INLINED void stress(
-		        const SampleCall& call, const Shared<Dim>& s, const At& place, SampleAnswer& answer, const double*)
+		TALIK_CARD static inline TALIK_INLINED void stress(const SampleCall& call, const Shared<Dim>& s, const At& place, SampleAnswer& answer)
 		{
 			Fixed<Dim>& fixed = s.fixed;
 			together<Threads>([&](int t) TALIK_INLINED {
@@ -452,7 +323,7 @@ namespace N_ONE {
 					One       sum { 0 };
 					const int i = c / (4 * Dim), j = c / 4 % Dim;
 					for (int g = c % 4; g < call.grains; g += 4)
-						sum = MulAdd(Kernel::keptForce(s, g, i), Kernel::position(s, g, j), sum);
+						sum = MulAdd(Kernel::keptForce(s, g, i), positionOf(s, g, j), sum);
 					fixed.virial[c] = sum.value;
 				}
 			});
@@ -493,7 +364,7 @@ namespace N_ONE {
 			const std::uint32_t code   = place.index(p);
 			double              square = 0;
 			for (int d = 0; d < Dim; ++d) {
-				branch[d] = Kernel::position(s, int(code >> 12 & 0xfff), d).value - Kernel::position(s, int(code & 0xfff), d).value;
+				branch[d] = positionOf(s, int(code >> 12 & 0xfff), d).value - positionOf(s, int(code & 0xfff), d).value;
 				if (code >> 24) branch[d] += s.fixed.image[(code >> 24) - 1].place[d];
 				square += branch[d] * branch[d];
 			}
@@ -720,7 +591,6 @@ namespace N_ONE {
 			s.ofPair(1, g) = { fx, fy };
 		}
 		HWY_INLINE static One keptForce(const Shared<2>& s, int g, int d) { return d == 0 ? s.ofPair(1, g).x : s.ofPair(1, g).y; }
-		HWY_INLINE static One position(const Shared<2>& s, int g, int d) { return d == 0 ? s.ofGrain(0, g).x : s.ofGrain(0, g).y; }
 	};
 
 	// ---------------------------------------------------------------------------------------------- spheres
@@ -940,10 +810,6 @@ namespace N_ONE {
 		HWY_INLINE static One keptForce(const Shared<3>& s, int g, int d)
 		{
 			return d == 0 ? s.ofPair(2, g).x : d == 1 ? s.ofPair(2, g).y : s.ofPair(3, g).x;
-		}
-		HWY_INLINE static One position(const Shared<3>& s, int g, int d)
-		{
-			return d == 0 ? s.ofGrain(0, g).x : d == 1 ? s.ofGrain(0, g).y : s.ofGrain(1, g).x;
 		}
 	};
 

@@ -71,9 +71,7 @@ template <int Dim> bool SampleOnDevice<Dim>::fetch(std::vector<unsigned char>& b
 
 template <int Dim> void SampleOnDevice<Dim>::takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
 {
-	PackedState<Dim> state;
-	load<Dim>(workspace, *base, state);
-	SampleImage<Dim>(workspace).take(layout, bytes, now, use);
+	SampleImage<Dim>(workspace).take(layout, bytes, common, now, grains, use);
 }
 
 template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::settled(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
@@ -186,7 +184,7 @@ template <int Dim> bool SamplesOnDevice<Dim>::makeAway(Task& task, Worker& worke
 	load<Dim>(workspace, *task.home, worker.state);
 	SampleImage<Dim> image(workspace);
 	task.refusal = image.reasonAgainst();
-	if (!task.refusal.empty() || image.listsExhausted()) return false;
+	if (!task.refusal.empty()) return false;
 	task.away                 = std::make_shared<SampleOnDevice<Dim>>(memory, task.home);
 	SampleOnDevice<Dim>& away = *task.away;
 	away.use                  = image.listUse();
@@ -200,14 +198,10 @@ template <int Dim> bool SamplesOnDevice<Dim>::makeAway(Task& task, Worker& worke
 	return true;
 }
 
-namespace {
-	bool listsLast(const SampleCall& call) { return call.travel + (call.largestRadius + call.skin) * call.stretch * 1.01 < call.skin; }
-} // namespace
-
 template <int Dim> bool SamplesOnDevice<Dim>::planCall(Task& task)
 {
 	const bool ice = task.request->iceSaturation != task.away->now.iceSaturation, moves = !task.request->displacementGradient.isZero(0);
-	if (!(ice ? planIce(task) : planMotion(task)) || !listsLast(task.call)) return false;
+	if (!(ice ? planIce(task) : planMotion(task))) return false;
 	task.stepBefore = task.away->now.step;
 	task.stage      = ice && moves ? Task::ice : Task::begun;
 	return true;
@@ -393,7 +387,7 @@ template <int Dim> void SamplesOnDevice<Dim>::absorbIce(Task& task)
 	task.iceSteps = task.call.resting - long(task.answer.steps);
 	task.stage    = Task::halted;
 	absorb(task);
-	if (!task.answer.unsound && task.iceSteps == 0 && planMotion(task) && listsLast(task.call)) task.stage = Task::begun;
+	if (!task.answer.unsound && task.iceSteps == 0 && planMotion(task)) task.stage = Task::begun;
 }
 
 template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, const PackedUpdateOptions& options, int threads)
@@ -447,8 +441,13 @@ template <int Dim> void SamplesOnDevice<Dim>::absorb(Task& task)
 	now.step += answer.steps;
 	now.bondsBrokenInTension += answer.brokenInTension;
 	now.bondsBrokenInShear += answer.brokenInShear;
-	away.use.travel  = answer.travel;
-	away.use.stretch = answer.stretch;
+	task.lists += answer.lists;
+	away.use.skin = away.common.skin = answer.skin;
+	away.use.travel                  = answer.travel;
+	away.use.stretch                 = answer.stretch;
+	away.common.pairs                = answer.pairs;
+	away.common.inside               = answer.inside;
+	away.common.images               = answer.images;
 	if (call.changesIce) {
 		now.iceSaturation           = task.request->iceSaturation;
 		away.common.iceRatio        = call.iceRatio;
@@ -561,8 +560,10 @@ template <int Dim> void SamplesOnDevice<Dim>::end(std::vector<Task>& tasks, int 
 		if (!memory->lost() && !task.answer.unsound) task.away->fetch(task.bytes);
 		if (memory->lost()) task.bytes.clear();
 	}
-	for (const Task& task : tasks)
+	for (const Task& task : tasks) {
 		went.done += task.stage == Task::done;
+		went.lists += task.lists;
+	}
 	inParallel(tasks, threads, underWay, [this](Task& task, Worker& worker) { finish(task, worker); });
 	for (const Task& task : tasks) {
 		went.ended += task.stage == Task::done && !task.away;

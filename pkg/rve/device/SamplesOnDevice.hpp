@@ -89,6 +89,7 @@ public:
 		std::uint64_t              stepBefore = 0;
 		long                       iceSteps   = 0;     ///< that a halted one has still to do
 		bool                       isNew      = false; ///< on the device
+		std::size_t                lists      = 0;     ///< built there
 		std::vector<unsigned char> bytes;
 		std::string                refusal;
 

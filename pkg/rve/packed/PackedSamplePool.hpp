@@ -15,6 +15,9 @@ class SampleDevice;
 /// How updates of samples went that a device was there for: done on it, ended on the processor, left to the processor.
 struct DeviceUse {
 	std::size_t done = 0, ended = 0, left = 0;
+	std::size_t lists = 0; ///< of neighbours that it has built
+	/// Time of the updates on the host [s]: calls are made and sent, the device is waited for, its answers are received and taken.
+	double making = 0, sending = 0, waiting = 0, receiving = 0, taking = 0;
 };
 template <int Dim> class SampleOnDevice;
 template <int Dim> class SamplesOnDevice;

@@ -4,16 +4,10 @@
 #include <cmath>
 #include <Eigen/LU>
 #include <numeric>
+#include <pkg/rve/packed/ListSkins.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 
 namespace talik {
-
-namespace {
-	// Skins of the neighbour lists: rebuilds against pairs carried along in vain. They are made to last for so many steps at the strain rate
-	// of now, that of a single grain for so many at its speed, within bounds over the mean radius.
-	constexpr double stepsOfLists = 800, leastSkinOverRadius = 0.001, largestSkinOverRadius = 0.02;
-	constexpr double stepsOfGrain = 200, largestSkinOfGrain = 0.1;
-} // namespace
 
 // ---------------------------------------------------------------------------------------------- lanes
 
@@ -296,12 +290,13 @@ template <int Dim> double PackedWorkspace<Dim>::fluctuation(std::size_t grain) c
 /// The skin follows the strain rate, the slack of a grain its speed: the few that fly about between others make no lists longer.
 template <int Dim> void PackedWorkspace<Dim>::chooseSkins(double leastSkin)
 {
-	const double time = stepsOfLists * view.dt, largest = largestSkinOverRadius * averageRadius;
+	using Skins       = ListSkins;
+	const double time = Skins::stepsOfLists * view.dt, largest = Skins::largestOverRadius * averageRadius;
 	const double strained = time * largestRadius * std::max(strainRate<Dim>(view.velGrad), strainRate<Dim>(view.nextVelGrad));
-	use.skin              = std::max(std::min(std::max(strained, leastSkinOverRadius * averageRadius), largest), 0.5 * leastSkin);
+	use.skin              = std::max(std::min(std::max(strained, Skins::leastOverRadius * averageRadius), largest), 0.5 * leastSkin);
 	slack.resize(grainCount);
 	for (std::size_t g = 0; g < grainCount; ++g) {
-		const double wanted = std::min(use.skin + stepsOfGrain * view.dt * fluctuation(g), largestSkinOfGrain * averageRadius);
+		const double wanted = std::min(use.skin + Skins::stepsOfGrain * view.dt * fluctuation(g), Skins::largestOfGrain * averageRadius);
 		slack[g]            = 0;
 		for (double skin = use.skin; skin < wanted && slack[g] < PackedLists<Dim>::largestSlack; skin *= 2)
 			++slack[g];
