@@ -95,6 +95,16 @@ int cuMemFree_v2(unsigned long long address)
 	std::free(reinterpret_cast<void*>(address));
 	return answer("cuMemFree_v2");
 }
+int cuMemHostAlloc(void** memoryOfHost, std::size_t bytes, unsigned)
+{
+	*memoryOfHost = std::malloc(bytes);
+	return answer("cuMemHostAlloc");
+}
+int cuMemFreeHost(void* memoryOfHost)
+{
+	std::free(memoryOfHost);
+	return answer("cuMemFreeHost");
+}
 int cuMemcpyHtoD_v2(unsigned long long to, const void* from, std::size_t bytes)
 {
 	std::memcpy(reinterpret_cast<void*>(to), from, bytes);
@@ -132,7 +142,7 @@ int cuLaunchKernel(
 	if (int(threads) != kernel.shape.threads) return 1;
 	std::vector<long double> space(memoryOfBlock / sizeof(long double) + 1); // aligned as the kernels want it
 	for (unsigned k = 0; k < blocks; ++k)
-		kernel.run(a.calls[k], a.answers[k], a.layout, reinterpret_cast<unsigned char*>(space.data()));
+		kernel.run(a, int(k), reinterpret_cast<unsigned char*>(space.data()));
 	return 0;
 }
 int cuCtxSynchronize() { return answer("cuCtxSynchronize"); }

@@ -244,7 +244,7 @@ template <int Dim> void expectSameWhereBondsStretch(const std::shared_ptr<Sample
 
 TEST(SampleDevice, neighbourListsAreBuiltThereAndTheBitsAreThoseOfTheProcessor)
 {
-	expectSameThroughManyLists<2>(makeTwin(), 1e-2, 60, 300); // cells are flipped
+	expectSameThroughManyLists<2>(makeTwin(), 1e-2, 80, 300); // cells are flipped, and the host keeps a state
 	expectSameThroughManyLists<3>(makeTwin(), 1e-2, 20, 60);
 	expectSameWhereBondsStretch<2>(makeTwin());
 	expectSameWhereBondsStretch<3>(makeTwin());
@@ -275,7 +275,8 @@ TEST(SampleDevice, cardThatFailsAtAnyCallOfItsDriverLeavesTheRunItsBits)
 	const std::vector<PackedState<2>> starts { frozen<2>(0.1), thawed<2>(), frozen<2>(0.2), thawed<2>(), frozen<2>(0.1), thawed<2>() };
 	const auto of = [](int r, int s) { return Round { 1e-3, 3e-4 * std::sin(r), s % 2 ? 0. : s == 2 ? 0.2 - 0.01 * (r % 4) : 0.1 + 0.01 * (r % 3) }; };
 	expectSameRun<2>(starts, 12, stub(""), of, "driver that works", 5, 20);
-	for (const char* function : { "cuMemGetInfo_v2", "cuMemAlloc_v2", "cuMemcpyHtoD_v2", "cuLaunchKernel", "cuCtxSynchronize", "cuMemcpyDtoH_v2" })
+	for (const char* function :
+	     { "cuMemGetInfo_v2", "cuMemAlloc_v2", "cuMemHostAlloc", "cuMemcpyHtoD_v2", "cuLaunchKernel", "cuCtxSynchronize", "cuMemcpyDtoH_v2" })
 		for (const int at : { 1, 2, 5, 16 }) {
 			const std::string wishes = "fail " + std::string(function) + " " + std::to_string(at) + " 719";
 			Said              said;
@@ -284,6 +285,15 @@ TEST(SampleDevice, cardThatFailsAtAnyCallOfItsDriverLeavesTheRunItsBits)
 			EXPECT_TRUE(at > 1 || speaksOf(said, "The run goes on on the processor")) << wishes;
 			EXPECT_LE(said.size(), 1u) << "said once";
 		}
+}
+
+TEST(SampleDevice, samplesThatStayLongAreKeptByTheHostNowAndThenAndSurviveTheLossOfTheCard)
+{
+	const auto of = [](int r, int s) { return Round { 1e-5, 1e-6 * std::sin(r), s ? 0.1 : 0. }; };
+	for (const char* wishes : { "", "fail cuLaunchKernel 200 719" }) {
+		const auto use = expectSameRun<2>({ thawed<2>(), frozen<2>(0.1) }, 140, stub(wishes), of, "samples that stay", 0, 100);
+		EXPECT_EQ(use.ended, 0u);
+	}
 }
 
 TEST(SampleDevice, cardWithTooLittleMemoryTakesWhatFitsAndSaysSo)

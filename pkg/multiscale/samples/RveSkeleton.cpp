@@ -501,6 +501,13 @@ py::dict RveSkeleton::cost() const
 		d["endedOnProcessor"] = use.ended;
 		d["leftToProcessor"]  = use.left;
 		d["listsOnDevice"]    = use.lists;
+		py::dict seconds;
+		seconds["making"]    = use.making;
+		seconds["sending"]   = use.sending;
+		seconds["waiting"]   = use.waiting;
+		seconds["receiving"] = use.receiving;
+		seconds["taking"]    = use.taking;
+		d["deviceSeconds"]   = seconds;
 	}
 	if (const auto* sharing = s.samples().sharing()) {
 		d["owned"]   = sharing->samples;

@@ -159,7 +159,9 @@ public:
 		.def("cost",&RveSkeleton::cost,"Dictionary: form (packed or open), points, calls (updates), steps (DEM), seconds, distinctStates, bytes. If "
 				"ranks divide the samples, seconds and bytes are those of this rank, and there are: owned, samples of this rank; "
 				"moved, how often one went to another rank (in slabs each of several that share a state counts); balance, mean over largest cost of the ranks [-]. If "
-				"device is not cpu: onDevice, updates that a device did; endedOnProcessor, those that it began (neighbour lists, flipped cells); leftToProcessor.")
+				"device is not cpu: onDevice, updates that a device did; endedOnProcessor, those that it began (flipped cells, lists that outgrow their place); "
+				"leftToProcessor; listsOnDevice, neighbour lists built there; deviceSeconds, where the time of the updates goes [s]: making calls, sending "
+				"them, waiting for the device, receiving its answers, taking them. The device rests but while it is waited for.")
 		.add_property("blownUp",&RveSkeleton::blownUp,"Points whose sample blew up, with the reason.")
 	);
 	// clang-format on

@@ -7,8 +7,7 @@ namespace N_ONE {
 	extern __attribute__((shared)) Two blockMemory[];
 	template <class Kernel> __attribute__((device)) inline TALIK_INLINED void runBlock(const KernelArguments& a)
 	{
-		const int k = blockNumber();
-		if (k < a.count) Kernel::sample(a.calls[k], a.answers[k], a.layout, reinterpret_cast<unsigned char*>(blockMemory));
+		if (blockNumber() < a.count) Kernel::block(a, blockNumber(), reinterpret_cast<unsigned char*>(blockMemory));
 	}
 } // namespace N_ONE
 } // namespace talik

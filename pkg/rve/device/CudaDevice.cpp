@@ -46,6 +46,8 @@ namespace {
 			find(memoryInfo, "cuMemGetInfo_v2");
 			find(allocate, "cuMemAlloc_v2");
 			find(release, "cuMemFree_v2");
+			find(allocateOnHost, "cuMemHostAlloc");
+			find(releaseOnHost, "cuMemFreeHost");
 			find(copyIn, "cuMemcpyHtoD_v2");
 			find(copyOut, "cuMemcpyDtoH_v2");
 			find(loadModule, "cuModuleLoadDataEx");
@@ -81,6 +83,8 @@ namespace {
 		Result (*memoryInfo)(std::size_t*, std::size_t*);
 		Result (*allocate)(Address*, std::size_t);
 		Result (*release)(Address);
+		Result (*allocateOnHost)(void**, std::size_t, unsigned);
+		Result (*releaseOnHost)(void*);
 		Result (*copyIn)(Address, const void*, std::size_t);
 		Result (*copyOut)(void*, Address, std::size_t);
 		Result (*loadModule)(Module*, const void*, unsigned, int*, void**);
@@ -167,6 +171,20 @@ namespace {
 		{
 			driver.setCurrent(context);
 			driver.release(address);
+		}
+		void* allocateOnHost(std::size_t bytes) override
+		{
+			constexpr unsigned forAllContexts = 1;
+			current();
+			void* memory = nullptr;
+			driver.check(
+			        driver.allocateOnHost(&memory, bytes, forAllContexts), "to lock " + std::to_string(bytes >> 20) + " MiB of the host's memory");
+			return memory;
+		}
+		void releaseOnHost(void* memory) noexcept override
+		{
+			driver.setCurrent(context);
+			driver.releaseOnHost(memory);
 		}
 		void copyIn(std::uint64_t to, const void* from, std::size_t bytes) override
 		{

@@ -25,7 +25,13 @@ DeviceMemory::~DeviceMemory()
 	for (const auto piece : pieces)
 		of->release(piece);
 	for (const auto& buffer : buffers)
-		if (buffer.address) of->release(buffer.address);
+		release(buffer);
+}
+
+void DeviceMemory::release(const Buffer& buffer)
+{
+	if (buffer.address) of->release(buffer.address);
+	if (buffer.host) of->releaseOnHost(buffer.host);
 }
 
 void DeviceMemory::reserve(std::size_t size, std::size_t wanted)
@@ -56,16 +62,17 @@ void DeviceMemory::giveBack(const PlaceLayout& layout, std::uint64_t place)
 	free[sizeOf(layout)].push_back(place);
 }
 
-std::uint64_t DeviceMemory::buffer(std::size_t which, std::size_t bytes)
+const DeviceMemory::Buffer& DeviceMemory::buffer(std::size_t which, std::size_t bytes)
 {
 	if (buffers.size() <= which) buffers.resize(which + 1);
 	Buffer& kept = buffers[which];
-	if (kept.bytes >= bytes) return kept.address;
-	if (kept.address) of->release(kept.address);
+	if (kept.bytes >= bytes) return kept;
+	release(kept);
 	kept         = {};
 	kept.address = of->allocate(bytes + bytes / 4);
+	kept.host    = of->allocateOnHost(bytes + bytes / 4);
 	kept.bytes   = bytes + bytes / 4;
-	return kept.address;
+	return kept;
 }
 
 } // namespace talik

@@ -33,17 +33,20 @@ public:
 	std::uint64_t take(const PlaceLayout&);
 	void          giveBack(const PlaceLayout&, std::uint64_t place);
 
-	/// Memory for calls or answers, kept until it is asked for anew; which: its number.
-	std::uint64_t buffer(std::size_t which, std::size_t bytes);
+	/// Memory of the device with its like on the host.
+	struct Buffer {
+		std::uint64_t address = 0;
+		void*         host    = nullptr;
+		std::size_t   bytes   = 0;
+	};
+	/// For calls or answers, kept until it is asked for anew; which: its number.
+	const Buffer& buffer(std::size_t which, std::size_t bytes);
 
 private:
 	/// What other programs may need while a run goes on, and what the driver needs itself.
 	static constexpr std::size_t leftFree = std::size_t(256) << 20;
 	static constexpr std::size_t sizeStep = 16384;
-	struct Buffer {
-		std::uint64_t address = 0;
-		std::size_t   bytes   = 0;
-	};
+	void                         release(const Buffer&);
 
 	std::shared_ptr<SampleDevice>                     of;
 	std::function<void(const std::string&)>           say;

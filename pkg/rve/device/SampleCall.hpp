@@ -76,8 +76,7 @@ struct SampleAnswer {
 	double        forces[9]; ///< sum of G (x) x: stress times volume [N m]
 	double        hSize[9], prevHSize[9], trsf[9];
 	double        skin, travel, stretch;
-	double        tangent[27]; ///< sums of (13.4): second order, then fourth order
-	std::uint32_t steps;       ///< done: fewer than asked for where new lists of neighbours are for the host
+	std::uint32_t steps; ///< done: fewer than asked for where new lists of neighbours are for the host
 	std::uint32_t brokenInTension, brokenInShear;
 	std::uint32_t lists;                 ///< built on the way
 	std::int32_t  pairs, inside, images; ///< of the lists of now
@@ -85,11 +84,17 @@ struct SampleAnswer {
 	std::uint32_t unsound;               ///< numbers that are not finite, or overlaps of more than a radius
 };
 
+/// Sums of (13.4) that make a tangent: of second order, then of fourth order.
+constexpr int tangentSums(int dimension) { return dimension == 2 ? 3 + 6 : 6 + 21; }
+
+/// A launch: `order` names the calls of its blocks. The sums of a tangent are written where a call asks for it.
 struct KernelArguments {
-	const SampleCall* calls;
-	SampleAnswer*     answers;
-	PlaceLayout       layout;
-	std::int32_t      count;
+	const SampleCall*    calls;
+	SampleAnswer*        answers;
+	double*              tangents;
+	const std::uint32_t* order;
+	PlaceLayout          layout;
+	std::int32_t         count;
 };
 
 /// A kernel as host and card name it: so many threads, each with so many grains and pairs.

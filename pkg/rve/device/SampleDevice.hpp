@@ -24,6 +24,8 @@ public:
 	virtual std::size_t   freeMemory()                                                        = 0; ///< [bytes]
 	virtual std::uint64_t allocate(std::size_t bytes)                                         = 0;
 	virtual void          release(std::uint64_t address) noexcept                             = 0;
+	virtual void*         allocateOnHost(std::size_t bytes)                                   = 0; ///< what is copied fast
+	virtual void          releaseOnHost(void* memory) noexcept                                = 0;
 	virtual void          copyIn(std::uint64_t to, const void* from, std::size_t bytes)       = 0;
 	virtual void          copyOut(void* to, std::uint64_t from, std::size_t bytes)            = 0;
 	virtual void          launch(const KernelShape& kernel, const KernelArguments& arguments) = 0; ///< a block for each call

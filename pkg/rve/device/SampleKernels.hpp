@@ -176,8 +176,15 @@ namespace N_ONE {
 		using At                     = Place<Dim, Bonded>;
 		static_assert(Threads <= NewLists<Dim, Bonded>::mostThreads && Kernel::Pairs <= NewLists<Dim, Bonded>::mostPairsEach, "new lists fit");
 
+		/// The call of a block of a launch.
+		TALIK_CARD static inline TALIK_INLINED void block(const KernelArguments& a, int number, unsigned char* memory)
+		{
+			const std::uint32_t k = a.order[number];
+			sample(a.calls[k], a.answers[k], a.tangents + std::size_t(tangentSums(Dim)) * k, a.layout, memory);
+		}
+
 		TALIK_CARD static inline TALIK_INLINED void sample(
-		        const SampleCall& given, SampleAnswer& answer, const PlaceLayout& layout, unsigned char* memory)
+		        const SampleCall& given, SampleAnswer& answer, double* sums, const PlaceLayout& layout, unsigned char* memory)
 		{
 			const Shared<Dim> s(memory, layout);
 			const At          place(given, layout);
@@ -239,7 +246,7 @@ namespace N_ONE {
 				}
 			});
 			if (step == total) checkPairs(call, s, place);
-			if (step == total && call.tangent) tangent(call, s, place, answer, fixed.cell[last]);
+			if (step == total && call.tangent) tangent(call, s, place, sums, fixed.cell[last]);
 			together<Threads>([&](int t) TALIK_INLINED {
 				if (t != 0) return;
 				answer.lists           = fixed.lists;
@@ -389,7 +396,7 @@ namespace N_ONE {
 
 		/// Sums of (13.4) over the contacts in their order.
 		TALIK_CARD static inline TALIK_INLINED void tangent(
-		        const SampleCall& call, const Shared<Dim>& s, const At& place, SampleAnswer& answer, const double* cell)
+		        const SampleCall& call, const Shared<Dim>& s, const At& place, double* sums, const double* cell)
 		{
 			constexpr int products = Dim * (Dim + 1) / 2;
 			const double  volume   = volumeOf<Dim>(cell, call.thickness);
@@ -427,7 +434,7 @@ namespace N_ONE {
 						const double n[3] = { a.y.value, b.x.value, b.y.value }, weighted = a.x.value * product(n, first);
 						sum += second < 0 ? weighted : weighted * product(n, second);
 					}
-					answer.tangent[c] = sum;
+					sums[c] = sum;
 				}
 			});
 		}

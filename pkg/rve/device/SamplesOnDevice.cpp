@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <pkg/mpm/ThreadPool.hpp>
@@ -14,6 +15,22 @@ namespace talik {
 namespace {
 	/// Updates that are computed again at most where a device is lost.
 	constexpr std::size_t mostSince = 64;
+
+	/// Time that passes between two readings.
+	class Stopwatch {
+	public:
+		void restart() { last = Clock::now(); }
+		void add(double& seconds)
+		{
+			const auto now = Clock::now();
+			seconds += std::chrono::duration<double>(now - last).count();
+			last = now;
+		}
+
+	private:
+		using Clock            = std::chrono::steady_clock;
+		Clock::time_point last = Clock::now();
+	};
 
 	template <int Dim> std::unique_ptr<PackedWorkspace<Dim>> newWorkspace() { return std::make_unique<PackedWorkspace<Dim>>(portablePathForced()); }
 
@@ -103,12 +120,15 @@ typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::broughtHome(PackedWor
 	return bytes.empty() ? computedAgain(workspace) : settled(workspace, bytes);
 }
 
-template <int Dim> double SampleOnDevice<Dim>::longestTimeStep() const
+template <int Dim> double SampleOnDevice<Dim>::longestTimeStep()
 {
+	if (stepOfIce == now.iceSaturation) return stepKnown;
 	thread_local std::vector<double> radii; // its memory is kept
 	radii.resize(grains->size());
 	std::transform(grains->radius.begin(), grains->radius.end(), radii.begin(), [this](double r) { return r * now.radiusFactor; });
-	return talik::longestTimeStep<Dim>(now, *grains, { radii.data(), common.largestRadius, common.smallestRadius }, 1);
+	stepOfIce = now.iceSaturation;
+	stepKnown = talik::longestTimeStep<Dim>(now, *grains, { radii.data(), common.largestRadius, common.smallestRadius }, 1);
+	return stepKnown;
 }
 
 template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::home()
@@ -135,21 +155,6 @@ template <int Dim> struct SamplesOnDevice<Dim>::Worker {
 	}
 };
 
-/// Calls of one kernel. Its memory is kept for the next ones.
-template <int Dim> struct SamplesOnDevice<Dim>::Launch {
-	KernelArguments           arguments;
-	std::vector<Task*>        tasks;
-	std::vector<SampleCall>   calls;
-	std::vector<SampleAnswer> answers; ///< as many as there were calls at most
-	void                      beginWith(const PlaceLayout& layout)
-	{
-		arguments        = {};
-		arguments.layout = layout;
-		tasks.clear();
-		calls.clear();
-	}
-};
-
 template <int Dim>
 SamplesOnDevice<Dim>::SamplesOnDevice(std::shared_ptr<SampleDevice> device, std::function<void(const std::string&)> say)
         : memory(std::make_shared<DeviceMemory>(std::move(device), std::move(say)))
@@ -159,13 +164,25 @@ template <int Dim> bool SamplesOnDevice<Dim>::lost() const { return memory->lost
 
 template <int Dim> template <class Which, class Work> void SamplesOnDevice<Dim>::inParallel(std::vector<Task>& tasks, int threads, Which which, Work work)
 {
-	std::vector<Task*> chosen;
+	chosen.clear();
 	for (Task& task : tasks)
 		if (which(task)) chosen.push_back(&task);
-	const int wanted = std::max(1, std::min(threads > 0 ? threads : ThreadPool::threads(), int(chosen.size())));
+	const int count = int(chosen.size()), wanted = std::max(1, std::min(threads > 0 ? threads : ThreadPool::threads(), count));
 	while (workers.size() < std::size_t(wanted))
 		workers.push_back(std::make_unique<Worker>());
-	ThreadPool::run(int(chosen.size()), wanted, [&](int k, int member) { work(*chosen[std::size_t(k)], worker(member)); });
+	constexpr int piecesOfThread = 16, mostOfPiece = 64; // a piece takes longer than to get it
+	const int     each = std::max(1, std::min(mostOfPiece, count / (piecesOfThread * wanted)));
+	ThreadPool::run((count + each - 1) / each, wanted, [&](int piece, int member) {
+		for (int k = piece * each; k < std::min(count, (piece + 1) * each); ++k)
+			work(*chosen[std::size_t(k)], worker(member));
+	});
+}
+
+template <int Dim> PackedUpdateOptions SamplesOnDevice<Dim>::optionsOf(const Task& task) const
+{
+	PackedUpdateOptions options = given;
+	if (task.request->inertialNumber > 0) options.maxInertialNumber = task.request->inertialNumber;
+	return options;
 }
 
 /// What is left to the processor and said.
@@ -183,8 +200,10 @@ template <int Dim> bool SamplesOnDevice<Dim>::makeAway(Task& task, Worker& worke
 	PackedWorkspace<Dim>& workspace = worker.ready();
 	load<Dim>(workspace, *task.home, worker.state);
 	SampleImage<Dim> image(workspace);
-	task.refusal = image.reasonAgainst();
-	if (!task.refusal.empty()) return false;
+	if (auto reason = image.reasonAgainst(); !reason.empty()) {
+		task.rare().refusal = std::move(reason);
+		return false;
+	}
 	task.away                 = std::make_shared<SampleOnDevice<Dim>>(memory, task.home);
 	SampleOnDevice<Dim>& away = *task.away;
 	away.use                  = image.listUse();
@@ -194,7 +213,7 @@ template <int Dim> bool SamplesOnDevice<Dim>::makeAway(Task& task, Worker& worke
 	away.meanRadius           = workspace.meanRadius();
 	task.isNew                = true;
 	if (!planCall(task)) return false;
-	image.write(away.layout, task.bytes);
+	image.write(away.layout, task.rare().bytes);
 	return true;
 }
 
@@ -214,10 +233,10 @@ template <int Dim> bool SamplesOnDevice<Dim>::planIce(Task& task)
 	const PackedParameters<Dim>& now    = away.now;
 	const IceBondModel&          ice    = now.ice;
 	const double                 target = task.request->iceSaturation, from = now.iceSaturation;
-	if (std::ceil(std::fabs(target - from) / task.options.saturationIncrement - 1e-9) != 1 || task.options.stepsPerSaturation < 1) return false;
+	if (std::ceil(std::fabs(target - from) / given.saturationIncrement - 1e-9) != 1 || given.stepsPerSaturation < 1) return false;
 	if (ice.formsBonds(from, target) || now.thawStrain.thawStrain != 0) return false;
 	if (away.layout.bonded && (ice.melted(from) || ice.melted(target))) return false;
-	SampleCall& call     = task.call;
+	SampleCall& call     = *task.call;
 	call                 = away.common;
 	call.place           = away.place;
 	call.formerIceRatio  = call.iceRatio;
@@ -231,18 +250,18 @@ template <int Dim> bool SamplesOnDevice<Dim>::planIce(Task& task)
 	call.dt      = now.dt;
 	call.travel  = away.use.travel;
 	call.stretch = away.use.stretch;
-	call.resting = std::int32_t(task.options.stepsPerSaturation);
-	call.tangent = task.options.tangent && task.request->displacementGradient.isZero(0);
+	call.resting = std::int32_t(given.stepsPerSaturation);
+	call.tangent = given.tangent && task.request->displacementGradient.isZero(0);
 	return true;
 }
 
 /// Velocity gradient and steps as SampleUpdate has them.
 template <int Dim> bool SamplesOnDevice<Dim>::planMotion(Task& task)
 {
-	const auto&                       away     = *task.away;
+	auto&                             away     = *task.away;
 	const auto&                       h        = task.request->displacementGradient;
 	const double                      rest     = away.now.dt;
-	PackedUpdateOptions               ofMotion = task.options;
+	PackedUpdateOptions               ofMotion = optionsOf(task);
 	const double                      dt       = ofMotion.timeStepFollowsIce ? timeStepOfMotion(rest, away.longestTimeStep()) : rest;
 	typename PackedTypes<Dim>::Matrix rate;
 	long                              moving;
@@ -253,7 +272,7 @@ template <int Dim> bool SamplesOnDevice<Dim>::planMotion(Task& task)
 	} catch (const std::invalid_argument&) {
 		return false; // which says so
 	}
-	SampleCall& call = task.call;
+	SampleCall& call = *task.call;
 	call             = away.common;
 	call.place       = away.place;
 	copyMatrix<Dim>(rate, call.velGrad);
@@ -266,15 +285,18 @@ template <int Dim> bool SamplesOnDevice<Dim>::planMotion(Task& task)
 	call.stretch    = away.use.stretch;
 	call.moving     = std::int32_t(moving);
 	call.resting    = std::int32_t(stepsToRest(rest, dt));
-	call.tangent    = task.options.tangent;
+	call.tangent    = given.tangent;
 	return true;
 }
 
 template <int Dim> void SamplesOnDevice<Dim>::plan(Task& task, Worker& worker)
 {
 	const PackedParameters<Dim>& now = task.away ? task.away->now : task.home->withoutArrays();
-	task.refusal                     = reasonAgainst(*task.request, task.options);
-	if (!task.refusal.empty() || task.request->compareRates) return;
+	if (auto reason = reasonAgainst(*task.request, given); !reason.empty()) {
+		task.rare().refusal = std::move(reason);
+		return;
+	}
+	if (task.request->compareRates) return;
 	if (task.request->displacementGradient.isZero(0) && task.request->iceSaturation == now.iceSaturation) return;
 	if (!now.velGrad.isZero(0) || !now.prevVelGrad.isZero(0) || !now.nextVelGrad.isZero(0)) return;
 	const bool stays = task.away && task.mayChange && task.away->place && !task.away->spoiled;
@@ -295,10 +317,11 @@ template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks)
 		if (!task.underWay() || !task.isNew) continue;
 		SampleOnDevice<Dim>& away = *task.away;
 		if (memory->device().memoryOfBlock() < memoryOfBlock(away.layout)) {
-			task.refusal = "more grains than a block of this card has memory for";
+			task.rare().refusal = "more grains than a block of this card has memory for";
 		} else if (const auto place = memory->take(away.layout)) {
-			away.place = task.call.place = place;
-			memory->device().copyIn(place, task.bytes.data(), task.bytes.size());
+			away.place = task.call->place = place;
+			memory->device().copyIn(place, task.aside->bytes.data(), task.aside->bytes.size());
+			task.aside->bytes.clear();
 			continue;
 		} else {
 			++without;
@@ -315,112 +338,157 @@ template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks)
 	toldOfMemory |= without > 0;
 }
 
-template <int Dim> typename SamplesOnDevice<Dim>::Launch& SamplesOnDevice<Dim>::launchOf(const PlaceLayout& layout)
+/// A launch for each layout. Calls and answers lie in the order of the tasks.
+template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks, typename Task::Stage stage)
 {
-	for (std::size_t k = 0; k < launched; ++k)
-		if (launches[k].arguments.layout == layout) return launches[k];
-	if (launched == launches.size()) launches.emplace_back();
-	launches[launched].beginWith(layout);
-	return launches[launched++];
-}
-
-template <int Dim> template <class Which> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks, Which which)
-{
-	launched = 0;
-	for (Task& task : tasks) {
-		if (!which(task)) continue;
-		Launch& launch = launchOf(task.away->layout);
-		launch.tasks.push_back(&task);
-		launch.calls.push_back(task.call);
+	launched           = 0;
+	std::size_t number = 0, last = 0;
+	for (std::size_t t = 0; t < tasks.size(); ++t) {
+		Task& task = tasks[t];
+		if (task.stage != stage) continue;
+		task.answer               = nullptr;
+		const PlaceLayout& layout = task.away->layout;
+		if (launched == 0 || !(launches[last].layout == layout))
+			for (last = 0; last < launched && !(launches[last].layout == layout);)
+				++last;
+		if (last == launched) {
+			if (launched == launches.size()) launches.emplace_back();
+			launches[launched].layout = layout;
+			launches[launched++].calls.clear();
+		}
+		launches[last].calls.push_back(std::uint32_t(t));
+		++number;
 	}
+	if (number == 0) return;
+	order          = memory->buffer(3, number * sizeof(std::uint32_t));
+	std::size_t at = 0;
+	for (std::size_t k = 0; k < launched; ++k)
+		for (const std::uint32_t call : launches[k].calls)
+			static_cast<std::uint32_t*>(order.host)[at++] = call;
+	memory->device().copyIn(calls.address, calls.host, tasks.size() * sizeof(SampleCall));
+	memory->device().copyIn(order.address, order.host, number * sizeof(std::uint32_t));
+	at = 0;
 	for (std::size_t k = 0; k < launched; ++k) {
-		Launch&             launch  = launches[k];
-		const std::size_t   count   = launch.calls.size();
-		const std::uint64_t calls   = memory->buffer(2 * k, count * sizeof(SampleCall)),
-		                    answers = memory->buffer(2 * k + 1, count * sizeof(SampleAnswer));
-		memory->device().copyIn(calls, launch.calls.data(), count * sizeof(SampleCall));
-		launch.arguments.calls   = reinterpret_cast<const SampleCall*>(calls);
-		launch.arguments.answers = reinterpret_cast<SampleAnswer*>(answers);
-		launch.arguments.count   = std::int32_t(count);
-		const auto& kernels      = sampleKernels();
-		const auto  kernel       = std::find_if(
-		               kernels.begin(), kernels.end(), [&](const KernelShape& shape) { return shape.holds(launch.arguments.layout); });
-		memory->device().launch(*kernel, launch.arguments);
+		const Launch&   launch = launches[k];
+		KernelArguments arguments {};
+		arguments.calls    = reinterpret_cast<const SampleCall*>(calls.address);
+		arguments.answers  = reinterpret_cast<SampleAnswer*>(answers.address);
+		arguments.tangents = reinterpret_cast<double*>(tangents.address);
+		arguments.order    = reinterpret_cast<const std::uint32_t*>(order.address) + at;
+		arguments.layout   = launch.layout;
+		arguments.count    = std::int32_t(launch.calls.size());
+		at += launch.calls.size();
+		const auto& kernels = sampleKernels();
+		const auto  kernel  = std::find_if(kernels.begin(), kernels.end(), [&](const KernelShape& shape) { return shape.holds(launch.layout); });
+		memory->device().launch(*kernel, arguments);
 	}
 }
 
 /// The state that a sample has now, on the host.
 template <int Dim> void SamplesOnDevice<Dim>::leaveToProcessor(Task& task, Worker& worker)
 {
+	static const std::vector<unsigned char> none;
 	task.stage = Task::processor;
 	if (!task.away) return;
 	SampleOnDevice<Dim>& away = *task.away;
-	task.home                 = away.broughtHome(worker.ready(), task.bytes);
+	task.home                 = away.broughtHome(worker.ready(), task.hasBytes() ? task.aside->bytes : none);
 	task.away.reset();
+}
+
+template <int Dim> void SamplesOnDevice<Dim>::fetch(Task& task)
+{
+	if (!task.away->fetch(task.rare().bytes)) task.aside->bytes.clear();
+}
+
+/// spoiled: what the device holds is worth nothing.
+template <int Dim> void SamplesOnDevice<Dim>::forgetBytes(Task& task, bool spoiled)
+{
+	task.away->spoiled |= spoiled;
+	if (task.aside) task.aside->bytes.clear();
 }
 
 template <int Dim> void SamplesOnDevice<Dim>::bringHome(std::vector<Task>& tasks, int threads)
 {
 	const auto stays = [](const Task& task) { return task.stage == Task::processor && task.away; };
 	for (Task& task : tasks)
-		if (stays(task) && !task.away->since.empty() && !task.away->fetch(task.bytes)) task.bytes.clear();
+		if (stays(task) && !task.away->since.empty()) fetch(task);
 	inParallel(tasks, threads, stays, [this](Task& task, Worker& worker) { leaveToProcessor(task, worker); });
 }
 
-template <int Dim> void SamplesOnDevice<Dim>::awaitAll()
+/// The host keeps the state of samples that have had many updates on the device, where they stay.
+template <int Dim> void SamplesOnDevice<Dim>::settle(std::vector<Task>& tasks, int threads)
 {
+	for (Task& task : tasks)
+		if (task.settles) fetch(task);
+	inParallel(
+	        tasks, threads, [](const Task& task) { return task.settles && task.hasBytes(); },
+	        [](Task& task, Worker& worker) { task.away->settled(worker.ready(), task.aside->bytes); });
+}
+
+template <int Dim> void SamplesOnDevice<Dim>::awaitAll(std::vector<Task>& tasks, typename Task::Stage stage)
+{
+	Stopwatch watch;
 	memory->device().wait();
-	for (std::size_t k = 0; k < launched; ++k) {
-		Launch&           launch = launches[k];
-		const std::size_t count  = launch.calls.size();
-		if (launch.answers.size() < count) launch.answers.resize(count);
-		memory->device().copyOut(launch.answers.data(), reinterpret_cast<std::uint64_t>(launch.arguments.answers), count * sizeof(SampleAnswer));
-		for (std::size_t n = 0; n < count; ++n)
-			launch.tasks[n]->answered = &launch.answers[n];
+	watch.add(went.waiting);
+	if (launched > 0) {
+		memory->device().copyOut(answers.host, answers.address, tasks.size() * sizeof(SampleAnswer));
+		if (given.tangent) memory->device().copyOut(tangents.host, tangents.address, tasks.size() * tangentSums(Dim) * sizeof(double));
 	}
+	for (std::size_t t = 0; t < tasks.size(); ++t) {
+		if (tasks[t].stage != stage) continue;
+		tasks[t].answer  = static_cast<const SampleAnswer*>(answers.host) + t;
+		tasks[t].tangent = static_cast<const double*>(tangents.host) + t * tangentSums(Dim);
+	}
+	watch.add(went.receiving);
 }
 
 /// A change of ice is done, or has come to a halt; the motion is planned with the stress after it.
 template <int Dim> void SamplesOnDevice<Dim>::absorbIce(Task& task)
 {
-	task.answer   = *task.answered;
-	task.iceSteps = task.call.resting - long(task.answer.steps);
+	task.iceSteps = task.call->resting - std::int32_t(task.answer->steps);
 	task.stage    = Task::halted;
 	absorb(task);
-	if (!task.answer.unsound && task.iceSteps == 0 && planMotion(task)) task.stage = Task::begun;
+	if (!task.answer->unsound && task.iceSteps == 0 && planMotion(task)) task.stage = Task::begun;
 }
 
 template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, const PackedUpdateOptions& options, int threads)
 {
-	for (Task& task : tasks) {
-		task.options = options;
-		if (task.request->inertialNumber > 0) task.options.maxInertialNumber = task.request->inertialNumber;
-	}
-	if (!memory->lost())
-		inParallel(
-		        tasks, threads, [](const Task&) { return true; }, [this](Task& task, Worker& worker) { plan(task, worker); });
+	given = options;
 	try {
 		if (!memory->lost()) {
+			Stopwatch         watch;
+			const std::size_t count = tasks.size();
+			calls                   = memory->buffer(0, count * sizeof(SampleCall));
+			answers                 = memory->buffer(1, count * sizeof(SampleAnswer));
+			tangents                = memory->buffer(2, given.tangent ? count * tangentSums(Dim) * sizeof(double) : sizeof(double));
+			for (std::size_t t = 0; t < count; ++t)
+				tasks[t].call = static_cast<SampleCall*>(calls.host) + t;
+			inParallel(
+			        tasks, threads, [](const Task&) { return true; }, [this](Task& task, Worker& worker) { plan(task, worker); });
+			watch.add(went.making);
 			placeAll(tasks);
 			const auto changesIce = [](const Task& task) { return task.stage == Task::ice; };
 			if (std::any_of(tasks.begin(), tasks.end(), changesIce)) {
-				launchAll(tasks, changesIce);
-				awaitAll();
+				launchAll(tasks, Task::ice);
+				watch.add(went.sending);
+				awaitAll(tasks, Task::ice);
+				watch.restart();
 				inParallel(tasks, threads, changesIce, [this](Task& task, Worker&) { absorbIce(task); });
+				watch.add(went.making);
 			}
-			launchAll(tasks, [](const Task& task) { return task.stage == Task::begun; });
+			launchAll(tasks, Task::begun);
+			watch.add(went.sending);
 		}
 	} catch (const DeviceFailure& failure) {
 		memory->lose(failure);
 		for (Task& task : tasks)
 			if (task.underWay()) {
-				task.stage         = Task::processor;
-				task.away->spoiled = true;
-				task.bytes.clear();
+				task.stage = Task::processor;
+				forgetBytes(task, true);
 			}
 	}
 	for (const Task& task : tasks)
-		if (!task.refusal.empty()) memory->tell("Samples with " + task.refusal + " stay on the processor.");
+		if (task.aside && !task.aside->refusal.empty()) memory->tell("Samples with " + task.aside->refusal + " stay on the processor.");
 	bringHome(tasks, threads);
 }
 
@@ -430,8 +498,8 @@ template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, co
 template <int Dim> void SamplesOnDevice<Dim>::absorb(Task& task)
 {
 	SampleOnDevice<Dim>&   away   = *task.away;
-	const SampleAnswer&    answer = task.answer;
-	const SampleCall&      call   = task.call;
+	const SampleAnswer&    answer = *task.answer;
+	const SampleCall&      call   = *task.call;
 	PackedParameters<Dim>& now    = away.now;
 	using Matrix                  = typename PackedTypes<Dim>::Matrix;
 	const long done = long(answer.steps), total = call.moving + call.resting;
@@ -469,49 +537,52 @@ template <int Dim> void SamplesOnDevice<Dim>::absorb(Task& task)
 template <int Dim> void SamplesOnDevice<Dim>::take(Task& task)
 {
 	SampleOnDevice<Dim>&         away   = *task.away;
-	const SampleAnswer&          answer = task.answer;
+	const SampleAnswer&          answer = *task.answer;
 	const PackedParameters<Dim>& now    = away.now;
+	PackedUpdateResult<Dim>&     result = *task.result;
 	absorb(task);
-	if (long(answer.steps) < task.call.moving + task.call.resting) return;
+	if (long(answer.steps) < task.call->moving + task.call->resting) return;
 	const bool gone = away.layout.bonded && answer.bonds == 0;
-	if (gone || flipIsDue<Dim>(now.hSize, task.options) || !isCompact<Dim>(now.hSize) || away.since.size() + 1 >= mostSince) return;
+	if (gone || flipIsDue<Dim>(now.hSize, given) || !isCompact<Dim>(now.hSize)) return;
 	const typename PackedTypes<Dim>::Matrix transposed = now.stress.transpose();
-	task.result.stress                                 = 0.5 * (now.stress + transposed);
-	task.result.steps                                  = long(now.step - task.stepBefore);
-	task.result.movingSteps                            = task.call.moving;
-	if (task.options.tangent) {
+	result.stress                                      = 0.5 * (now.stress + transposed);
+	result.steps                                       = long(now.step - task.stepBefore);
+	result.movingSteps                                 = task.call->moving;
+	if (given.tangent) {
 		constexpr int products = Dim * (Dim + 1) / 2;
 		double        fourth[products * products] {};
 		for (int k = 0, at = products; k < products; ++k)
 			for (int l = k; l < products; ++l)
-				fourth[k * products + l] = answer.tangent[at++];
-		task.result.tangent = tangentFromSums<Dim>(answer.tangent, fourth, now.stiffnessRatio);
+				fourth[k * products + l] = task.tangent[at++];
+		result.tangent = tangentFromSums<Dim>(task.tangent, fourth, now.stiffnessRatio);
 	}
-	away.since.push_back({ task.request->displacementGradient, task.request->iceSaturation, task.options });
-	task.stage = Task::done;
+	if (away.since.empty()) away.since.reserve(mostSince);
+	away.since.push_back({ task.request->displacementGradient, task.request->iceSaturation, optionsOf(task) });
+	task.settles = away.since.size() >= mostSince;
+	task.stage   = Task::done;
 }
 
-/// What the device leaves to the host: the steps after its lists were used up, a flip, a slip, bonds that are gone.
+/// What the device leaves to the host: lists that outgrow their place and the steps after them, a flip, a slip, bonds that are gone.
 template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
 {
-	SampleOnDevice<Dim>&  away      = *task.away;
-	PackedWorkspace<Dim>& workspace = worker.ready();
-	const SampleCall&     call      = task.call;
-	using Matrix                    = typename PackedTypes<Dim>::Matrix;
-	if (task.bytes.empty() || task.answer.unsound) {
-		away.spoiled = true;
-		task.bytes.clear();
+	SampleOnDevice<Dim>&      away      = *task.away;
+	PackedWorkspace<Dim>&     workspace = worker.ready();
+	const SampleCall&         call      = *task.call;
+	const PackedUpdateOptions options   = optionsOf(task);
+	using Matrix                        = typename PackedTypes<Dim>::Matrix;
+	if (!task.hasBytes() || task.answer->unsound) {
+		forgetBytes(task, true);
 		leaveToProcessor(task, worker);
 		return;
 	}
+	PackedUpdateResult<Dim> result;
 	try {
-		away.takeInto(workspace, task.bytes);
-		const long done = long(task.answer.steps), total = call.moving + call.resting;
+		away.takeInto(workspace, task.aside->bytes);
+		const long done = long(task.answer->steps), total = call.moving + call.resting;
 		long       moving = call.moving;
 		if (task.stage == Task::halted) {
 			workspace.run(task.iceSteps);
-			moving = SampleUpdate<PackedWorkspace<Dim>>(workspace, task.options)
-			                 .perform(task.request->displacementGradient, away.now.iceSaturation);
+			moving = SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(task.request->displacementGradient, away.now.iceSaturation);
 		} else if (done < total) {
 			workspace.setTimeStep(call.dt);
 			if (done < moving) {
@@ -522,15 +593,15 @@ template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
 			workspace.run(total - std::max(done, moving));
 			workspace.setTimeStep(away.now.dt);
 		}
-		task.result = concludeUpdate<Dim>(workspace, task.options, moving, task.stepBefore);
+		result = concludeUpdate<Dim>(workspace, options, moving, task.stepBefore);
 	} catch (const std::exception&) { // it has blown up: the processor finds out how
-		away.spoiled = true;
-		task.bytes.clear();
+		forgetBytes(task, true);
 		leaveToProcessor(task, worker);
 		return;
 	}
-	slipWhereThin<Dim>(workspace, task.request->displacementGradient, task.options, task.result);
-	task.home = compactOf<Dim>(workspace);
+	slipWhereThin<Dim>(workspace, task.request->displacementGradient, options, result);
+	*task.result = std::move(result);
+	task.home    = compactOf<Dim>(workspace);
 	task.away.reset();
 	task.stage = Task::done;
 }
@@ -543,32 +614,35 @@ template <int Dim> void SamplesOnDevice<Dim>::end(std::vector<Task>& tasks, int 
 		return;
 	}
 	try {
-		if (!memory->lost()) awaitAll();
+		if (!memory->lost()) awaitAll(tasks, Task::begun);
 	} catch (const DeviceFailure& failure) {
 		memory->lose(failure);
 	}
+	Stopwatch watch;
 	if (!memory->lost())
 		inParallel(
 		        tasks, threads, [](const Task& task) { return task.stage == Task::begun; },
 		        [this](Task& task, Worker&) {
-			        task.answer = *task.answered;
-			        if (!task.answer.unsound) take(task);
+			        if (!task.answer->unsound) take(task);
 		        });
+	bool anySettles = false;
 	for (Task& task : tasks) {
-		if (!task.underWay()) continue;
-		task.bytes.clear();
-		if (!memory->lost() && !task.answer.unsound) task.away->fetch(task.bytes);
-		if (memory->lost()) task.bytes.clear();
-	}
-	for (const Task& task : tasks) {
+		anySettles |= task.settles;
 		went.done += task.stage == Task::done;
 		went.lists += task.lists;
+		if (!task.underWay()) continue;
+		forgetBytes(task, false);
+		if (!memory->lost() && !task.answer->unsound) fetch(task);
 	}
-	inParallel(tasks, threads, underWay, [this](Task& task, Worker& worker) { finish(task, worker); });
-	for (const Task& task : tasks) {
-		went.ended += task.stage == Task::done && !task.away;
+	if (anySettles) settle(tasks, threads);
+	if (std::any_of(tasks.begin(), tasks.end(), underWay)) {
+		inParallel(tasks, threads, underWay, [this](Task& task, Worker& worker) { finish(task, worker); });
+		for (const Task& task : tasks)
+			went.ended += task.stage == Task::done && !task.away;
+	}
+	for (const Task& task : tasks)
 		went.left += task.stage == Task::processor;
-	}
+	watch.add(went.taking);
 }
 
 template class SampleOnDevice<2>;

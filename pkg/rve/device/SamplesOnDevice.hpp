@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <pkg/rve/device/DeviceMemory.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
@@ -10,8 +11,6 @@
 #include <vector>
 
 namespace talik {
-
-class DeviceMemory;
 
 /// A sample on a device. The host keeps the state that it had when it was last here, and the updates since then: what the device alone knows
 /// can be computed again, with the same bits.
@@ -38,7 +37,7 @@ private:
 		double                            iceSaturation;
 		PackedUpdateOptions               options;
 	};
-	double longestTimeStep() const;                        ///< as PackedWorkspace has it, of now
+	double longestTimeStep();                              ///< as PackedWorkspace has it, of now
 	bool   fetch(std::vector<unsigned char>& bytes) const; ///< false where the device does not know it any more
 	void   takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
 	/// The state of now, from the bytes of its place or computed again where there are none. Samples that shared a state may ask at once.
@@ -54,6 +53,7 @@ private:
 	PlaceLayout                         layout {};
 	SampleCall                          common {}; ///< what its calls have in common
 	double                              meanRadius = 0;
+	double                              stepOfIce = -1, stepKnown = 0; ///< longest time step, of the ice saturation that it is known for
 	std::shared_ptr<const PackedGrains> grains;
 	std::uint64_t                       place = 0; ///< 0: none yet
 	std::mutex                          settling;
@@ -70,30 +70,38 @@ public:
 	SamplesOnDevice(std::shared_ptr<SampleDevice> device, std::function<void(const std::string&)> say);
 	~SamplesOnDevice();
 
-	/// A request and the sample that it is for, at home or away.
+	/// A request and the sample that it is for, at home or away. There are many, each seen several times in an update: what few of them need
+	/// stands aside.
 	struct Task {
 		const PackedRequest<Dim>* request = nullptr;
+		PackedUpdateResult<Dim>*  result  = nullptr; ///< where it goes
 		Compact                   home;
 		Away                      away;
-		bool                      mayChange = false; ///< nobody else has the state of a sample that is away
 		/// ice: its change is under way, motion comes after it; halted: it, or what comes after it, is for the host to end.
-		enum { processor, ice, halted, begun, done } stage = processor;
-		bool                    underWay() const { return stage == ice || stage == halted || stage == begun; }
-		PackedUpdateResult<Dim> result {};
+		enum Stage : std::uint8_t { processor, ice, halted, begun, done } stage = processor;
+		bool mayChange                                                          = false; ///< nobody else has the state of a sample that is away
+		bool underWay() const { return stage == ice || stage == halted || stage == begun; }
 
 		// while it is under way
-		PackedUpdateOptions        options;
-		SampleCall                 call;
-		const SampleAnswer*        answered = nullptr; ///< among those of its launch
-		SampleAnswer               answer;
-		std::uint64_t              stepBefore = 0;
-		long                       iceSteps   = 0;     ///< that a halted one has still to do
-		bool                       isNew      = false; ///< on the device
-		std::size_t                lists      = 0;     ///< built there
-		std::vector<unsigned char> bytes;
-		std::string                refusal;
-
-		Task() {} // no zeros for call and answer, which come with the launch
+		struct Aside {
+			std::vector<unsigned char> bytes; ///< of its place
+			std::string                refusal;
+		};
+		bool                   isNew      = false; ///< on the device
+		bool                   settles    = false; ///< the host is to keep its state of now
+		std::int32_t           iceSteps   = 0;     ///< that a halted one has still to do
+		std::uint32_t          lists      = 0;     ///< built there
+		std::uint64_t          stepBefore = 0;
+		SampleCall*            call       = nullptr; ///< among those of its update
+		const SampleAnswer*    answer     = nullptr; ///< nullptr while there is none
+		const double*          tangent    = nullptr;
+		std::unique_ptr<Aside> aside;
+		Aside&                 rare()
+		{
+			if (!aside) aside = std::make_unique<Aside>();
+			return *aside;
+		}
+		bool hasBytes() const { return aside && !aside->bytes.empty(); }
 	};
 	/// The tasks of an update, to be filled in and to be cleared at its end: their memory is used again.
 	std::vector<Task>& tasks() { return kept; }
@@ -106,21 +114,29 @@ public:
 
 private:
 	struct Worker;
-	struct Launch;
+	/// Calls of one kernel.
+	struct Launch {
+		PlaceLayout                layout;
+		std::vector<std::uint32_t> calls;
+	};
+	using Buffer = DeviceMemory::Buffer;
 	std::string                             reasonAgainst(const PackedRequest<Dim>&, const PackedUpdateOptions&) const;
+	PackedUpdateOptions                     optionsOf(const Task&) const;
 	void                                    plan(Task&, Worker&);
 	bool                                    makeAway(Task&, Worker&);
 	bool                                    planCall(Task&);
 	bool                                    planIce(Task&);
 	bool                                    planMotion(Task&);
 	void                                    placeAll(std::vector<Task>& tasks);
-	template <class Which> void             launchAll(std::vector<Task>& tasks, Which which);
-	Launch&                                 launchOf(const PlaceLayout&);
-	void                                    awaitAll();
+	void                                    launchAll(std::vector<Task>& tasks, typename Task::Stage stage);
+	void                                    awaitAll(std::vector<Task>& tasks, typename Task::Stage stage);
 	void                                    absorbIce(Task&);
 	void                                    absorb(Task&);
+	void                                    fetch(Task&);
+	void                                    forgetBytes(Task&, bool spoiled);
 	void                                    leaveToProcessor(Task&, Worker&);
 	void                                    bringHome(std::vector<Task>& tasks, int threads);
+	void                                    settle(std::vector<Task>& tasks, int threads);
 	void                                    take(Task&);
 	void                                    finish(Task&, Worker&);
 	Worker&                                 worker(int member) { return *workers[std::size_t(member)]; }
@@ -129,8 +145,11 @@ private:
 	std::shared_ptr<DeviceMemory>        memory;
 	std::vector<std::unique_ptr<Worker>> workers;
 	std::vector<Task>                    kept;
+	std::vector<Task*>                   chosen;
 	std::vector<Launch>                  launches; ///< the first `launched` are under way
 	std::size_t                          launched = 0;
+	PackedUpdateOptions                  given; ///< of the update under way
+	Buffer                               calls, answers, tangents, order;
 	DeviceUse                            went;
 	bool                                 toldOfMemory = false;
 };

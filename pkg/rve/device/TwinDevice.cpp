@@ -19,6 +19,8 @@ namespace {
 		std::size_t   freeMemory() override { return std::size_t(1) << 40; }
 		std::uint64_t allocate(std::size_t bytes) override { return reinterpret_cast<std::uint64_t>(::operator new(bytes)); }
 		void          release(std::uint64_t address) noexcept override { ::operator delete(reinterpret_cast<void*>(address)); }
+		void*         allocateOnHost(std::size_t bytes) override { return ::operator new(bytes); }
+		void          releaseOnHost(void* memory) noexcept override { ::operator delete(memory); }
 		void          copyIn(std::uint64_t to, const void* from, std::size_t bytes) override { std::memcpy(reinterpret_cast<void*>(to), from, bytes); }
 		void          copyOut(void* to, std::uint64_t from, std::size_t bytes) override { std::memcpy(to, reinterpret_cast<const void*>(from), bytes); }
 		void          launch(const KernelShape& kernel, const KernelArguments& a) override
@@ -28,8 +30,8 @@ namespace {
 				unsigned char bytes[16];
 			};
 			std::vector<Sixteen> memory(std::size_t(twinMemoryOfBlock(a.layout)) / 16 + 1);
-			for (int k = 0; k < a.count; ++k)
-				twin.run(a.calls[k], a.answers[k], a.layout, memory.data()->bytes);
+			for (int block = 0; block < a.count; ++block)
+				twin.run(a, block, memory.data()->bytes);
 		}
 		void wait() override {}
 		long memoryOfBlock() const override { return 227 * 1024; }

@@ -10,9 +10,7 @@ namespace {
 	{
 		using Kernel = typename N_ONE::KernelOf<Dim, Threads, GrainsEach, PairsEach, Bonded>::Type;
 		return { { name, Dim, Threads, GrainsEach, PairsEach, Bonded },
-			 [](const SampleCall& call, SampleAnswer& answer, const PlaceLayout& layout, unsigned char* memory) {
-			         Kernel::sample(call, answer, layout, memory);
-			 } };
+			 [](const KernelArguments& arguments, int block, unsigned char* memory) { Kernel::block(arguments, block, memory); } };
 	}
 } // namespace
 

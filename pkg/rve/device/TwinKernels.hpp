@@ -7,7 +7,7 @@ namespace talik {
 /// A kernel as plain C++.
 struct TwinKernel {
 	KernelShape shape;
-	void (*run)(const SampleCall&, SampleAnswer&, const PlaceLayout&, unsigned char* memoryOfBlock);
+	void (*run)(const KernelArguments&, int block, unsigned char* memoryOfBlock);
 };
 extern const TwinKernel twinKernels[];
 extern const int        twinKernelCount;

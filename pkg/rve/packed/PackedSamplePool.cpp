@@ -207,21 +207,30 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 			throw std::invalid_argument("sample pool: sample " + std::to_string(request.sample) + " is asked twice in one update");
 		checkRequest(request);
 	}
-	std::vector<std::size_t> order(requests.size());
-	for (std::size_t k = 0; k < order.size(); ++k)
-		order[k] = k;
-	std::vector<const void*> state(requests.size());
-	std::transform(requests.begin(), requests.end(), state.begin(), [this](const auto& request) { return samples[request.sample].identity(); });
-	const auto compare = [&](std::size_t a, std::size_t b) { return compareWork<Dim>(requests[a], state[a], requests[b], state[b]); };
-	std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+	// who shares with whom is settled here, before samples change in parallel; most share with nobody
+	std::vector<std::size_t> order, shared;
+	std::vector<Task>        tasks;
+	order.reserve(requests.size());
+	tasks.reserve(requests.size());
+	for (std::size_t k = 0; k < requests.size(); ++k) {
+		if (samples[requests[k].sample].isAlone()) {
+			tasks.push_back({ order.size(), order.size() + 1, nullptr });
+			order.push_back(k);
+		} else {
+			shared.push_back(k);
+		}
+	}
+	const auto compare = [&](std::size_t a, std::size_t b) {
+		return compareWork<Dim>(requests[a], samples[requests[a].sample].identity(), requests[b], samples[requests[b].sample].identity());
+	};
+	std::sort(shared.begin(), shared.end(), [&](std::size_t a, std::size_t b) {
 		const int c = compare(a, b);
 		return c != 0 ? c < 0 : a < b;
 	});
-	// who shares with whom is settled here, before samples change in parallel
-	std::vector<Task> tasks;
-	for (std::size_t k = 0; k < order.size(); ++k) {
-		if (k == 0 || compare(order[k - 1], order[k]) != 0) tasks.push_back({ k, k, nullptr });
-		tasks.back().end = k + 1;
+	for (std::size_t k = 0; k < shared.size(); ++k) {
+		if (k == 0 || compare(shared[k - 1], shared[k]) != 0) tasks.push_back({ order.size(), order.size(), nullptr });
+		order.push_back(shared[k]);
+		tasks.back().end = order.size();
 	}
 	const int wanted = std::max(1, std::min(threads > 0 ? threads : ThreadPool::threads(), int(std::max<std::size_t>(1, tasks.size()))));
 	while (workers.size() < std::size_t(wanted))
@@ -249,6 +258,7 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 			const PackedRequest<Dim>& request = requests[order[tasks[t].begin]];
 			const Held&               sample  = samples[request.sample];
 			away[t].request                   = &request;
+			away[t].result                    = &results[order[tasks[t].begin]];
 			away[t].mayChange                 = std::size_t(sample.away.use_count()) == tasks[t].end - tasks[t].begin;
 			away[t].home                      = sample.home;
 			away[t].away                      = sample.away;
@@ -270,8 +280,18 @@ std::vector<PackedUpdateResult<Dim>> SamplePool<Dim>::update(const std::vector<P
 			left[t] = 1;
 		device->end(away, threads);
 		those([&](std::size_t k) { return away[k].stage == Away::processor && !left[k]; });
-		for (std::size_t t = 0; t < tasks.size(); ++t)
-			if (away[t].stage == Away::done) take(tasks[t], away[t].result, { away[t].away ? nullptr : away[t].home, away[t].away });
+		for (std::size_t t = 0; t < tasks.size(); ++t) {
+			if (away[t].stage != Away::done) continue;
+			const std::size_t first = order[tasks[t].begin];
+			Held&             held  = samples[requests[first].sample];
+			if (away[t].away) held.home.reset();
+			else held.home = std::move(away[t].home);
+			held.away = std::move(away[t].away);
+			for (std::size_t k = tasks[t].begin + 1; k < tasks[t].end; ++k) {
+				results[order[k]]                  = results[first];
+				samples[requests[order[k]].sample] = held;
+			}
+		}
 		away.clear();
 	} else {
 		ThreadPool::run(int(tasks.size()), wanted, [&](int t, int member) {

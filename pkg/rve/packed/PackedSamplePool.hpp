@@ -124,6 +124,7 @@ private:
 		Compact                              home;
 		std::shared_ptr<SampleOnDevice<Dim>> away;
 		const void*                          identity() const { return away ? static_cast<const void*>(away.get()) : home.get(); }
+		bool                                 isAlone() const { return (away ? away.use_count() : home.use_count()) == 1; }
 	};
 
 	const Held&                           held(std::size_t sample) const;
