@@ -439,7 +439,7 @@ template <int D> void Ground<D>::Parts::checkPositions(const StepContext<D>& ste
 /// Water goes to freezing fronts, before cells know all that they receive.
 template <int D> void Ground<D>::Parts::segregate(const StepContext<D>& step)
 {
-	segregation->collect(*cells, *motion, *heat, *content, step.halo);
+	segregation->collect(grid, *cells, *motion, *heat, *content, step.halo);
 	segregation->draw(grid, step.halo, *water, *enthalpyModel(), motion->settings->gravity, step.calendarDt);
 	segregation->book(step.owned, *water, ledger);
 }

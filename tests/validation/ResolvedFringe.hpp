@@ -11,7 +11,8 @@ namespace talik::validation {
 
 /// A column that freezes from its top, with water at its base, by finite volumes so fine that they resolve the frozen fringe: heat with latent heat,
 /// Darcy flow by pressure, gravity and Clapeyron's suction, rigid grains. Pores press with no more than what lies on them; where they would, the
-/// ground parts, and the water that arrives there is excess ice. Ice is as dense as water.
+/// ground parts, and the water that arrives there is excess ice. Ice is as dense as water. A lens lies behind the soil of its cell, seen from the
+/// water: its warm face has the temperature of that soil however thick it grows, and heat and water beyond it pass all of it.
 class ResolvedFringe {
 public:
 	double height = 0.3, permeability = 1e-9, impedance = 6.0, load = 50e3, cold = -3.0, base = 1.0; ///< [m, m/s, -, Pa, degC, degC]
@@ -24,7 +25,7 @@ public:
 	{
 		first = height / cells;
 		temperature.assign(cells, base);
-		for (auto* field : { &excess, &pressure, &onTop, &gain, &size, &below, &conductance, &drive, &diagonal, &right })
+		for (auto* field : { &excess, &pressure, &onTop, &gain, &below, &conductance, &drive, &diagonal, &right })
 			field->assign(cells, 0.0);
 		flux.assign(cells + 1, 0.0);
 		parted.assign(cells, 0);
@@ -50,7 +51,6 @@ private:
 	{
 		double above = load;
 		for (int i = cells - 1; i >= 0; --i) {
-			size[i]        = first + excess[i];
 			const double w = 9.81 * (first * ((1.0 - porosity) * 2650.0 + porosity * 1000.0) + excess[i] * 1000.0);
 			onTop[i]       = above + 0.5 * w;
 			above += w;
@@ -61,7 +61,7 @@ private:
 	void flow()
 	{
 		for (int i = 0; i + 1 < cells; ++i) {
-			const double gap = 0.5 * (size[i] + size[i + 1]), t = 0.5 * (temperature[i] + temperature[i + 1]);
+			const double gap = first + excess[i], t = 0.5 * (temperature[i] + temperature[i + 1]);
 			conductance[i] = permeability * std::pow(10.0, -impedance * (1.0 - liquid(t))) / (weight * gap);
 			drive[i]       = weight * gap + suction * (std::min(temperature[i + 1], 0.0) - std::min(temperature[i], 0.0));
 		}
@@ -80,7 +80,7 @@ private:
 
 	void solve()
 	{
-		const double atBase = permeability / (weight * 0.5 * size[0]), lift = weight * 0.5 * size[0];
+		const double atBase = permeability / (weight * 0.5 * first), lift = weight * 0.5 * first;
 		for (int i = 0; i < cells; ++i) {
 			const double down = i ? conductance[i - 1] : 0.0, up = i + 1 < cells ? conductance[i] : 0.0;
 			below[i]    = parted[i] ? 0.0 : -down;
@@ -100,10 +100,10 @@ private:
 
 	void conduct(double dt)
 	{
-		double into = -conductivity * (temperature[0] - base) / (0.5 * size[0]);
+		double into = -conductivity * (temperature[0] - base) / (0.5 * first);
 		for (int i = 0; i < cells; ++i) {
 			const bool   top = i + 1 == cells;
-			const double gap = top ? 0.5 * size[i] : 0.5 * (size[i] + size[i + 1]);
+			const double gap = (top ? 0.5 : 1.0) * first + excess[i];
 			const double out = -conductivity * ((top ? cold : temperature[i + 1]) - temperature[i]) / gap;
 			const double ice = parted[i] ? gain[i] * dt : 0.0, heat = capacity * first + capacityOfIce * excess[i],
 			             pores = porosity * 1000.0 * latent * first;
@@ -131,7 +131,7 @@ private:
 	}
 
 	double              first = 0.0; ///< thickness of a cell at the start [m]
-	std::vector<double> temperature, excess, pressure, onTop, gain, size, below, conductance, drive, diagonal, right, flux;
+	std::vector<double> temperature, excess, pressure, onTop, gain, below, conductance, drive, diagonal, right, flux;
 	std::vector<char>   parted;
 };
 

@@ -134,7 +134,7 @@ TEST(IceSegregation, IntakeOfAFringeMeetsItsClosedFormOnCoarseAndFineCells)
 				const double front    = (4.0 + part) * h;
 				const double unfrozen = h * std::floor(front / h + 0.5) + 0.5 * h; // middle of the first unfrozen cell
 				f.heat                = heatConductivity(f.ice(gradient * (front - unfrozen + 2.0 * h)));
-				f.below               = unfrozen - front;
+				f.below               = unfrozen + 0.5 * h - front; // water is known halfway between two cells
 				f.unfrozen            = gradient * heatConductivity(0.0) / f.heat;
 				f.iceBehind           = f.ice(gradient * (front - unfrozen + 4.0 * h));
 				const double exactNow = f.intake(), q = intakeOf<2>(f, h, { 1.0, 8.0 }, { 0.0, 1.0 }, front, h);
@@ -329,6 +329,9 @@ std::vector<double> excessIceOfAThickFringe(double h, const ResolvedFringe& reso
 	s.mixture.solid.conductivity = s.mixture.ice.conductivity = s.mixture.liquid.conductivity = resolved.conductivity;
 	s.motion->gravity                                                                         = { 0.0, -9.81 };
 	s.heat->thermalTimeScale                                                                  = 5e4 / h;
+	s.water->state.liquidBulkModulus                                                          = 1e8; // the reference has rigid grains and water
+	s.water->state.iceBulkModulus                                                             = 4e8;
+	s.skeletons                                                                               = { elasticOedometer(1e8) };
 	standOnRollers(s);
 	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable(resolved.cold));
 	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), TimeTable(resolved.load));
@@ -354,16 +357,15 @@ std::vector<double> excessIceOfAThickFringe(double h, const ResolvedFringe& reso
 } // namespace
 
 // The fringe of a front that moves on is a part of what freezes: its gradient is much smaller than that behind it. Later the front stands still and one
-// lens grows to 9 cm, which points whose soil was 1 or 2 cm high cannot fill.
-TEST(IceSegregation, HeaveThroughAFringeThickerThanACellMeetsFiniteVolumesUntilItsLensParts_slow)
+// lens grows to 9 cm. With cells of 2.5 cm one point then is three cells long.
+TEST(IceSegregation, HeaveThroughAFringeThickerThanACellMeetsFiniteVolumes_slow)
 {
 	citing("heat, Darcy and Clapeyron, finite volumes");
-	const std::vector<double>   days { 2.0, 4.0, 20.0 };
-	const std::array<double, 3> tolerances { 0.05, 0.1, 0.4 };
-	std::vector<double>         exact;
+	const std::vector<double> days { 2.0, 4.0, 20.0 };
+	std::vector<double>       exact;
 	for (const double d : days)
 		exact.push_back(ResolvedFringe().excessIceAfter(d * day));
-	for (const double h : { 0.05, 0.025 }) {
+	for (const auto& [h, tolerances] : { std::pair<double, std::array<double, 3>> { 0.05, { 0.05, 0.05, 0.05 } }, { 0.025, { 0.05, 0.05, 0.25 } } }) {
 		const auto ice = excessIceOfAThickFringe(h, ResolvedFringe(), days);
 		for (std::size_t k = 0; k < days.size(); ++k) {
 			char label[96];
@@ -482,23 +484,32 @@ TEST(IceSegregation, ColumnThatFreezesAndThawsHeavesAndSettlesAgain_slow)
 		const auto y = valuesOf(ground, "position", 1);
 		return *std::max_element(y.begin(), y.end());
 	};
-	const auto   start = ground.balance();
-	const double level = top();
-	double       heave[2], left[2], ice[2];
+	const auto   start  = ground.balance();
+	const double level  = top();
+	const double volume = sumOf(ground, "volume");
+	double       heave[2], left[2], ice[2], grown[2], kept[2];
 	for (const int cycle : { 0, 1 }) {
 		marchTo(ground, (60.0 + 120.0 * cycle) * day / scale);
 		heave[cycle] = top() - level;
 		ice[cycle]   = sumOf(ground, "segregatedVolume") / h;
 		marchTo(ground, (120.0 + 120.0 * cycle) * day / scale);
-		left[cycle] = top() - level;
+		left[cycle]  = top() - level;
+		grown[cycle] = (sumOf(ground, "volume") - volume) / h;
+		kept[cycle]  = (ground.balance().waterMass - start.waterMass) / (waterDensity * h);
 	}
 	std::printf(
-	        "heave %.1f and %.1f mm, left after thaw %.2f and %.2f mm, excess ice %.1f and %.1f mm\n", 1e3 * heave[0], 1e3 * heave[1], 1e3 * left[0],
-	        1e3 * left[1], 1e3 * ice[0], 1e3 * ice[1]);
+	        "heave %.1f and %.1f mm, excess ice %.1f and %.1f mm; after thaw top %.2f and %.2f mm higher, ground %.2f and %.2f mm thicker, water kept %.2f "
+	        "and %.2f mm\n",
+	        1e3 * heave[0], 1e3 * heave[1], 1e3 * ice[0], 1e3 * ice[1], 1e3 * left[0], 1e3 * left[1], 1e3 * grown[0], 1e3 * grown[1], 1e3 * kept[0],
+	        1e3 * kept[1]);
 	expectRelative("freeze, thaw, freeze: excess ice of the second winter over the first", ice[1], ice[0], 0.03);
 	expectRelative("freeze, thaw, freeze: heave of the second winter over the first", heave[1] - left[0], heave[0], 0.05);
-	expectScaled("freeze, thaw, freeze: left after the first thaw over the heave", left[0], 0.0, heave[0], 0.05);
-	expectScaled("freeze, thaw, freeze: left after the second thaw over the heave", left[1], 0.0, heave[1], 0.10);
+	expectScaled("freeze, thaw, freeze: left after the first thaw over the heave", left[0], 0.0, heave[0], 0.02);
+	expectScaled("freeze, thaw, freeze: left after the second thaw over the heave", left[1], 0.0, heave[1], 0.02);
+	// what does not return is pore water: of the points of a cell some bear the load, others are loose
+	expectScaled("freeze, thaw, freeze: thickness gained against water kept, over the heave", grown[1], kept[1], heave[0], 1e-3);
+	expectScaled("freeze, thaw, freeze: water kept after the first thaw, over the heave", kept[0], 0.0, heave[0], 0.03);
+	expectScaled("freeze, thaw, freeze: water kept by the second cycle, over the heave", kept[1], kept[0], heave[1], 0.01);
 	expectScaled("freeze, thaw, freeze: excess ice left", sumOf(ground, "segregatedVolume") / h, 0.0, ice[0], 1e-12);
 	const auto end = ground.balance();
 	expectSmall("freeze, thaw, freeze: drift of water", (end.waterMass - start.waterMass + end.waterOut) / start.waterMass, 1e-12);

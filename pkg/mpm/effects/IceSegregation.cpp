@@ -49,9 +49,20 @@ template <int D> void IceSegregation<D>::bind(MaterialPoints<D>& points, int cel
 	changed_.reserve(points.count());
 }
 
+namespace {
+	template <int D> Vec<D> middleOf(const Grid<D>& grid, int cell)
+	{
+		Vec<D> x;
+		for (int a = 0; a < D; ++a)
+			x[a] = grid.lower()[a] + (cell / grid.cellStride(a) % grid.cells(a) + 0.5) * grid.spacing();
+		return x;
+	}
+} // namespace
+
 template <int D>
 void IceSegregation<D>::collect(
-        const CellMeans<D>& cells, const SolidMotion<D>& motion, const HeatTransfer<D>& heat, const PoreContent<D>& content, const ActiveRange& range)
+        const Grid<D>& grid, const CellMeans<D>& cells, const SolidMotion<D>& motion, const HeatTransfer<D>& heat, const PoreContent<D>& content,
+        const ActiveRange& range)
 {
 	heat_ = &heat;
 	ice_  = content.iceSaturation;
@@ -59,8 +70,11 @@ void IceSegregation<D>::collect(
 	const double* const size = points_->volume();
 	points_->strips().scatter(
 	        [&](int, int first, int last) {
+		        int    at = -1;
+		        Vec<D> middle;
 		        for (int p = first; p < last; ++p) {
-			        Cell&        c        = cells_[cells.cell(p)];
+			        Cell& c = cells_[cells.cell(p)];
+			        if (at != cells.cell(p)) middle = middleOf(grid, at = cells.cell(p));
 			        const int    material = points_->material(p);
 			        const double v = size[p], depth = heat.temperature[p] - freezingTemperature_[material];
 			        c.volume += v;
@@ -73,6 +87,7 @@ void IceSegregation<D>::collect(
 			        c.fill += (content.waterMass[p] - content.iceMass[p]) / liquidDensity_ + content.iceMass[p] / iceDensity_;
 			        for (int k = 0; k < stressSize<D>; ++k)
 				        c.stress[k] += v * motion.stress[k][p];
+			        addLeaning(c, middle, grid.inverseSpacing(), motion, p);
 			        c.soil = std::max(c.soil, double(material));
 		        }
 	        },
@@ -96,6 +111,18 @@ void IceSegregation<D>::collect(
 	});
 }
 
+/// Eq. (26.7): the force between two halves of a row of cells is the sum of V T (1 - |x|/h) over the points, with their distances x from the cell between.
+/// So the splines of the nodes transmit it.
+template <int D> void IceSegregation<D>::addLeaning(Cell& c, const Vec<D>& middle, double inverseSpacing, const SolidMotion<D>& motion, int p)
+{
+	const double v = points_->volume()[p], added = motion.addedStress[p];
+	c.added += v * added;
+	for (int a = 0; a < D; ++a) {
+		const double away = (points_->position(a)[p] - middle[a]) * inverseSpacing;
+		c.leaning[a][away > 0.0] += v * std::abs(away) * (motion.stress[stressIndex<D>(a, a)][p] + added);
+	}
+}
+
 template <int D> int IceSegregation<D>::beside(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const
 {
 	const int at = cell / grid.cellStride(axis) % grid.cells(axis) + side, next = cell + side * grid.cellStride(axis);
@@ -103,10 +130,23 @@ template <int D> int IceSegregation<D>::beside(const Grid<D>& grid, const Active
 	return next;
 }
 
+template <int D> int IceSegregation<D>::behindOf(const Grid<D>& grid, const ActiveRange& range, int cell, int from, int axis, int side) const
+{
+	constexpr int mostEmpty = 2;
+	const int     stride    = side * grid.cellStride(axis);
+	int           at        = cell / grid.cellStride(axis) % grid.cells(axis);
+	for (int next = cell + stride; next != cell + (mostEmpty + 2) * stride; next += stride) {
+		at += side;
+		if (at < 0 || at == grid.cells(axis) || next < range.firstCell || next >= range.lastCell || (next - from) / stride > farthestBehind) return -1;
+		if (cells_[next].volume > 0.0) return next;
+	}
+	return -1;
+}
+
 template <int D> int IceSegregation<D>::destination(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const
 {
 	if (from < 0 || frozen(cells_[from])) return -1;
-	const int to = beside(grid, range, from, axis, side);
+	const int to = behindOf(grid, range, from, from, axis, side);
 	if (to < 0) return cells_[from].ice > 0.0 ? from : -1;
 	return frozen(cells_[to]) ? to : -1;
 }
@@ -200,8 +240,9 @@ template <int D> double IceSegregation<D>::placeOfFront(const Grid<D>& grid, int
 template <int D>
 typename IceSegregation<D>::Line IceSegregation<D>::behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const
 {
-	constexpr int most   = 3;
-	int           second = beside(grid, range, first, axis, side);
+	constexpr int most = 3, mostWithin = 2; // cells of the line; those that ice forms in, behind the first
+	const int     from   = unfrozen;
+	int           second = behindOf(grid, range, first, from, axis, side);
 	if (second < 0 && (unfrozen == first || !std::isnan(outside(grid, first, axis, side).depth))) return this->first(grid, unfrozen, first, axis, side);
 	const bool   falls = second >= 0 && cells_[second].depth < cells_[first].depth;
 	const double h     = grid.spacing(),
@@ -216,8 +257,8 @@ typename IceSegregation<D>::Line IceSegregation<D>::behind(const Grid<D>& grid, 
 		return { warm > 0.0 ? std::min(within, (warm - cold) / h) : within, ahead, cold, first };
 	}
 	const int reference = second;
-	for (int k = 0; k < most; ++k) {
-		const int third = beside(grid, range, second, axis, side);
+	for (int k = 0; k < mostWithin; ++k) {
+		const int third = behindOf(grid, range, second, from, axis, side);
 		if (third < 0 || !(cells_[third].depth < cells_[second].depth)) break;
 		if (cells_[second].ice > 0.5 * cells_[second].volume * fullIce(second, cells_[third].depth)) break;
 		unfrozen = first;
@@ -226,7 +267,7 @@ typename IceSegregation<D>::Line IceSegregation<D>::behind(const Grid<D>& grid, 
 		front    = placeOfFront(grid, first, frozenPart(unfrozen, first, second, grid.cellVolume()), axis, side);
 	}
 	double moment = 0.0, square = 0.0, coldest = 0.0;
-	for (int c = second, k = 0; k < most && c >= 0 && cells_[c].depth < coldest; ++k, c = beside(grid, range, c, axis, side)) {
+	for (int c = second, k = 0; k < most && c >= 0 && cells_[c].depth < coldest; ++k, c = behindOf(grid, range, c, from, axis, side)) {
 		const double distance = side * (cells_[c].middle[axis] - front);
 		coldest               = cells_[c].depth;
 		moment -= coldest * distance;
@@ -235,33 +276,46 @@ typename IceSegregation<D>::Line IceSegregation<D>::behind(const Grid<D>& grid, 
 	return { moment / square, ahead, coldest, reference };
 }
 
-/// Total pressure normal to a front, of the cells at it: stresses that alternate from cell to cell, which no node sees, cancel out.
-template <int D>
-double IceSegregation<D>::pressureOn(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int to, int axis, int side) const
+template <int D> double IceSegregation<D>::transmitted(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side, const Vec<D>& n) const
+{
+	const Cell& c = cells_[cell];
+	// at an end the cell is filled in part, and the stress of its points is that of the surface
+	const bool ends   = beside(grid, range, cell, axis, -side) < 0 || behindOf(grid, range, cell, cell, axis, side) < 0;
+	const int  stride = grid.cellStride(axis);
+	double     sum    = 0.0;
+	for (int i = 0; i < D; ++i)
+		for (int j = 0; j < D; ++j) {
+			const int k = stressIndex<D>(i, j);
+			double    t = c.volume * c.stress[k] + (i == j ? c.added : 0.0);
+			if (!ends && i == axis && j == axis)
+				t += cells_[cell - stride].leaning[axis][1] + cells_[cell + stride].leaning[axis][0] - c.leaning[axis][0] - c.leaning[axis][1];
+			sum -= n[i] * t * n[j];
+		}
+	return sum / (ends ? c.volume : grid.cellVolume());
+}
+
+/// Total pressure normal to a front, of the cells at it. In cells that are not full of points force is in balance, and stress is not.
+template <int D> double IceSegregation<D>::pressureOn(const Grid<D>& grid, const ActiveRange& range, int from, int to, int axis, int side) const
 {
 	Vec<D> n {};
 	if (from == to) n[axis] = 1.0;
 	else n = direction(grid, range, to);
-	double sum = 0.0, weights = 0.0;
-	for (const auto& [cell, share] : { std::pair<int, double> { beside(grid, range, from, axis, -side), 1.0 }, { from, 2.0 }, { to, 1.0 } }) {
-		if (cell < 0) continue;
-		double pressure = water.pressureOfCell(cell);
-		for (int i = 0; i < D; ++i)
-			for (int j = 0; j < D; ++j)
-				pressure -= n[i] * cells_[cell].stress[stressIndex<D>(i, j)] * n[j];
-		// between cells that are not full of points, force is in balance, and stress is not
-		const bool inside = beside(grid, range, cell, axis, -side) >= 0 && beside(grid, range, cell, axis, side) >= 0;
-		sum += share * pressure * (inside ? cells_[cell].volume / grid.cellVolume() : 1.0);
-		weights += share;
-	}
-	return sum / weights;
+	return 0.5 * (transmitted(grid, range, from, axis, side, n) + transmitted(grid, range, to, axis, side, n));
 }
 
-template <int D> int IceSegregation<D>::cellOfLens(const Grid<D>& grid, const ActiveRange& range, int first, double lens, int axis, int side) const
+/// Pressures alternate from cell to cell around a cell that alone loses water, as the nodes hardly see that. So two cells give it, and the mean of
+/// their pressures counts.
+template <int D> int IceSegregation<D>::secondSource(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const
+{
+	const int next = beside(grid, range, from, axis, -side);
+	return next < 0 || frozen(cells_[next]) ? -1 : next;
+}
+
+template <int D> int IceSegregation<D>::cellOfLens(const Grid<D>& grid, const ActiveRange& range, int from, int first, double lens, int axis, int side) const
 {
 	int cell = first;
 	for (int k = 0; k < farthestLens; ++k) {
-		const int next = beside(grid, range, cell, axis, side);
+		const int next = behindOf(grid, range, cell, from, axis, side);
 		// at the face between them
 		if (next < 0 || !(cells_[next].depth < cells_[cell].depth) || !(0.5 * (cells_[cell].depth + cells_[next].depth) > lens)) break;
 		cell = next;
@@ -272,13 +326,13 @@ template <int D> int IceSegregation<D>::cellOfLens(const Grid<D>& grid, const Ac
 /// Near a surface, where cells are filled in part, the heat that leaves there tells the gradient; of surfaces ranks know less far than of cells.
 template <int D>
 void IceSegregation<D>::seeFrom(
-        const Grid<D>& grid, const ActiveRange& range, int first, int lens, int axis, int side, SegregationPotential::Front& front) const
+        const Grid<D>& grid, const ActiveRange& range, int from, int first, int lens, int axis, int side, SegregationPotential::Front& front) const
 {
 	constexpr int farthestSurface = 2; // cells behind the first frozen one
-	const int     next = beside(grid, range, lens, axis, side), second = next < 0 ? -1 : beside(grid, range, next, axis, side);
+	const int     next = behindOf(grid, range, lens, from, axis, side), second = next < 0 ? -1 : behindOf(grid, range, next, from, axis, side);
 	const int     last      = second >= 0 ? second : next >= 0 ? next : lens;
 	const int     distance  = (last - first) / (side * grid.cellStride(axis));
-	const bool    atSurface = beside(grid, range, last, axis, side) < 0 && distance <= farthestSurface;
+	const bool    atSurface = distance <= farthestSurface && behindOf(grid, range, last, from, axis, side) < 0;
 	const Outside beyond    = atSurface ? outside(grid, last, axis, side) : Outside { NAN, 0.0 };
 	const bool    known     = !std::isnan(beyond.depth);
 	if (!known && second < 0) return;
@@ -304,30 +358,33 @@ typename IceSegregation<D>::Flux IceSegregation<D>::drawn(
 	if (first < 0) return { 0.0, -1 };
 	const SegregationPotential& soil = soils_[int(cells_[first].soil)];
 	if (soil.drawsNothing()) return { 0.0, -1 };
-	const Line                  line = behind(grid, range, from, first, axis, side);
+	const Line                  line   = behind(grid, range, from, first, axis, side);
+	const int                   second = secondSource(grid, range, from, axis, side);
+	const double                ahead  = second < 0 ? 0.0 : 0.5 * side * (cells_[from].middle[axis] - cells_[second].middle[axis]);
 	SegregationPotential::Front f {};
 	f.gradient     = line.gradient;
 	f.conductivity = cells_[line.reference].conductivity;
 	f.coldest      = line.coldest;
-	f.distance     = line.ahead;
+	f.distance     = line.ahead + ahead;
 	f.rise         = -side * f.distance * weight[axis];
-	f.pressure     = water.pressureOfCell(from);
-	f.load         = pressureOn(grid, range, water, from, first, axis, side);
+	f.pressure     = 0.5 * (water.pressureOfCell(from) + water.pressureOfCell(second < 0 ? from : second));
+	f.load         = pressureOn(grid, range, from, first, axis, side);
 	f.unfrozen     = heatBefore(grid, range, from, axis, side) / f.conductivity;
 	f.ice          = fullIce(line.reference, line.coldest);
 	auto intake    = soil.intake(f);
 	int  lens      = first;
 	// what stands behind the lens depends on where it lies, which depends on that
 	for (int k = 0; k < 2 && first != from && intake.lens < 0.0; ++k) {
-		lens = cellOfLens(grid, range, first, intake.lens, axis, side);
+		lens = cellOfLens(grid, range, from, first, intake.lens, axis, side);
 		if (lens == first) break;
-		seeFrom(grid, range, first, lens, axis, side, f);
+		seeFrom(grid, range, from, first, lens, axis, side, f);
 		const auto seen = soil.intake(f);
 		intake          = { seen.water, seen.lens < 0.0 ? seen.lens : intake.lens };
 	}
 	// ground that has run dry in part lets as much less of its water go as anywhere
-	const double full = std::min(1.0, cells_[from].fill / cells_[from].pores);
-	return { std::min(liquidDensity_ * dt * grid.faceArea() * full * full * full * intake.water, largestPart * water.liquidOfCell(from)), lens };
+	const double full  = std::min(1.0, cells_[from].fill / cells_[from].pores);
+	const double least = std::min(water.liquidOfCell(from), second < 0 ? HUGE_VAL : water.liquidOfCell(second));
+	return { std::min(liquidDensity_ * dt * grid.faceArea() * full * full * full * intake.water, largestPart * least), lens };
 }
 
 template <int D>
@@ -353,7 +410,7 @@ void IceSegregation<D>::draw(
 				}
 		}
 	});
-	handOver(range, water, enthalpy);
+	handOver(grid, range, water, enthalpy);
 	range.overCells([&](int firstCell, int lastCell) {
 		for (int i = firstCell; i < lastCell; ++i) {
 			Cell& c = cells_[i];
@@ -374,21 +431,29 @@ void IceSegregation<D>::draw(
 	});
 }
 
-template <int D> void IceSegregation<D>::handOver(const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy)
+template <int D> void IceSegregation<D>::handOver(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy)
 {
 	for (int i = range.firstCell; i < range.lastCell; ++i) {
 		if (!(cells_[i].lost > 0.0)) continue;
-		const Vec<D> v = water.velocityOfCell(i);
-		const double e = water.enthalpyOfCell(i, enthalpy);
 		for (int k = 0; k < 2 * D; ++k) {
 			const auto [mass, to] = cells_[i].fluxes[k];
 			if (!(mass > 0.0)) continue;
-			Cell& c = cells_[to];
+			const int    second = secondSource(grid, range, i, k / 2, k % 2 ? 1 : -1);
+			const double half   = second < 0 ? 0.0 : 0.5 * mass;
+			Cell&        c      = cells_[to];
 			c.mass += mass;
 			c.across[k / 2] += (k % 2 ? 1.0 : -1.0) * mass;
-			c.enthalpy += mass * e;
-			for (int a = 0; a < D; ++a)
-				c.carried[a] += mass * v[a];
+			const auto carry = [&](int source, double part) {
+				const Vec<D> v = water.velocityOfCell(source);
+				c.enthalpy += part * water.enthalpyOfCell(source, enthalpy);
+				for (int a = 0; a < D; ++a)
+					c.carried[a] += part * v[a];
+			};
+			carry(i, mass - half);
+			if (second < 0) continue;
+			carry(second, half);
+			cells_[i].lost -= half;
+			cells_[second].lost += half;
 		}
 	}
 }

@@ -38,7 +38,8 @@ public:
 
 	/// The ground as it is at the start of the step, by cells.
 	void collect(
-	        const CellMeans<D>& cells, const SolidMotion<D>& motion, const HeatTransfer<D>& heat, const PoreContent<D>& content, const ActiveRange& range);
+	        const Grid<D>& grid, const CellMeans<D>& cells, const SolidMotion<D>& motion, const HeatTransfer<D>& heat, const PoreContent<D>& content,
+	        const ActiveRange& range);
 	/// Water that flows from cells to lenses through frozen fringes in the step: leaves the exchange of the one, and waits at the other for receive().
 	/// dt: of calendar time.
 	void draw(const Grid<D>& grid, const ActiveRange& range, PoreWater<D>& water, const EnthalpyModel& enthalpy, const Vec<D>& gravity, double dt);
@@ -57,7 +58,7 @@ public:
 	double *volume = nullptr, *iceMass = nullptr; ///< of excess ice when all of it is frozen [m^D]; what is frozen now [kg]
 
 private:
-	/// Water that leaves a cell [kg].
+	/// Water that goes to a lens [kg].
 	struct Flux {
 		double mass;
 		int    to;
@@ -71,10 +72,12 @@ private:
 		double ice;                        ///< volume times the ice saturation
 		double pores, fill;                ///< volume of the pores and of what is in them [m^D]
 		double stress[stressSize<D>];      ///< effective, as the pressure [Pa]
+		double added;                      ///< volume times what the momentum balance adds to each normal stress [Pa m^D]
+		double leaning[D][2];              ///< volume times total stress along an axis that neighbours on a side transmit [Pa m^D]
 		double soil;                       ///< the largest number of its materials
 		bool   frozen;                     ///< so that it gives no water
-		double lost;                       ///< given away in the step [kg], and
-		Flux   fluxes[2 * D];              ///< to whom, by axis and side
+		double lost;                       ///< given away in the step [kg]
+		Flux   fluxes[2 * D];              ///< from its side of fronts, by axis and side
 		double mass, enthalpy, carried[D]; ///< given to it [kg, J, N s]
 		double opened;                     ///< by what is given to it, over its volume [-]
 		double across[D];                  ///< given along the axes [kg]
@@ -84,8 +87,12 @@ private:
 		int                       place;
 		std::array<double, D * D> gradient;
 	};
+	/// What a point adds to the stress of its cell.
+	void addLeaning(Cell& c, const Vec<D>& middle, double inverseSpacing, const SolidMotion<D>& motion, int place);
 	/// The cell beside, or -1 where there is no ground.
 	int beside(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
+	/// The next cell with ground behind a cell, on the way from an unfrozen one; or -1. A point that a lens has made long leaves up to two cells empty.
+	int behindOf(const Grid<D>& grid, const ActiveRange& range, int cell, int from, int axis, int side) const;
 	/// Where the water goes that a cell gives along an axis: the frozen cell there, the cell itself if the front stands in it and no ground lies
 	/// behind, or -1.
 	int    destination(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const;
@@ -108,25 +115,31 @@ private:
 	};
 	Outside outside(const Grid<D>& grid, int cell, int axis, int side) const;
 	Line    first(const Grid<D>& grid, int unfrozen, int first, int axis, int side) const;
-	Line    behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const;
-	double  pressureOn(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int to, int axis, int side) const;
+	/// The cell that gives a front half of its water, the one before the last unfrozen cell; or -1: that cell gives all.
+	int  secondSource(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const;
+	Line behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const;
+	/// -n T n for the stress T that the grid transmits through a cell along an axis.
+	double transmitted(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side, const Vec<D>& n) const;
+	double pressureOn(const Grid<D>& grid, const ActiveRange& range, int from, int to, int axis, int side) const;
 	/// The cell with the lens of a front, whose temperature less T_f is lens [K]: the first frozen one or one behind it.
-	int cellOfLens(const Grid<D>& grid, const ActiveRange& range, int first, double lens, int axis, int side) const;
+	int cellOfLens(const Grid<D>& grid, const ActiveRange& range, int from, int first, double lens, int axis, int side) const;
 	/// The front seen from a lens that lies in a cell behind the first frozen one. Unchanged where nothing is known of the ground behind it.
-	void seeFrom(const Grid<D>& grid, const ActiveRange& range, int first, int lens, int axis, int side, SegregationPotential::Front& front) const;
+	void seeFrom(
+	        const Grid<D>& grid, const ActiveRange& range, int from, int first, int lens, int axis, int side, SegregationPotential::Front& front) const;
 	/// That comes through the unfrozen ground to the front [W/m^2].
 	double heatBefore(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
-	/// Water that a cell gives in the step to the one with the lens: 0 unless a front lies beside it.
+	/// Water that a cell and its second source give in the step to the one with the lens: 0 unless a front lies beside it.
 	Flux drawn(
 	        const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const;
 	/// What cells give to others arrives there.
-	void handOver(const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy);
+	void handOver(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy);
 
 	static bool frozen(const Cell& c) { return c.frozen; }
 	/// What freezes less than this below T_f is noise of the temperature [K].
 	static constexpr double barely = 1e-6;
-	/// What lies farther behind the first frozen cell is not looked at; ranks know as many rows.
-	static constexpr int farthestLens = 3;
+	/// Cells with ground behind the first frozen one in which a lens may lie; what lies farther from the last unfrozen cell than so many is not looked at:
+	/// ranks know as many rows, and one for its second source.
+	static constexpr int farthestLens = 3, farthestBehind = 6;
 	/// With a measured potential ground of a smaller ice saturation gives its water away as if it were not frozen: where ice forms over a range of
 	/// temperatures, all of it may have cooled to a little below T_f. The closed form counts from T_f.
 	static constexpr double littleIce = 0.05;

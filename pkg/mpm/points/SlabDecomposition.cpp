@@ -10,7 +10,7 @@ namespace {
 	struct Extent {
 		int first, end; ///< that this strip and the one below touch
 		int beyond;     ///< more on both sides, as far as a solution at the touched nodes reaches: the direction of the thaw front takes nodes
-		                ///< two rows away; an ice lens lies up to four cells away from the unfrozen one that gives it water, with three more behind
+		                ///< two rows away; what stands up to six cells behind an unfrozen one counts for it and the one before, which give water
 	};
 	constexpr Extent ofNodes { 0, 3, 2 }, ofCells { -1, 1, 7 };
 } // namespace
