@@ -8,8 +8,8 @@
 namespace talik {
 
 namespace {
-	/// The residual, in the norm of what pressures store, at which iterations end: over that of the start, and over the pressure that stands. What is
-	/// left is in the content of the next step: Terzaghi has the same error with a tenth and with ten times of both.
+	/// The residual, in the norm of the energy of the pressure that is still to come, at which iterations end: over that of the start, and over the
+	/// pressure that stands. What is left is in the content of the next step.
 	constexpr double relativeResidual = 1e-2, smallestResidual = 1e-6;
 	constexpr int    mostIterations = 500, mostRounds = 4;
 	/// Of what the inertia of the ground lets a cell give way in a step, the share that alternating pressures store.
@@ -25,10 +25,12 @@ template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid)
 	links_.reset(std::size_t(n) * corners * D);
 	liquids_.reset(std::size_t(n) * corners);
 	baseNodes_.reset(n);
+	squares_.reset(n);
 	for (auto& faces : faces_)
 		faces.reset(n);
-	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &diagonal_ })
+	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &preconditioned_ })
 		values->reset(n);
+	multigrid_.allocate(grid);
 	for (auto* field : { &solid_, &liquid_, &force_, &moved_ })
 		field->allocate(grid.nodeCount());
 	carried_.reset(grid.nodeCount());
@@ -372,6 +374,7 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 			cell.base          = cell.state == cavitated ? lowest : cell.pressure;
 		}
 	});
+	findSquares(grid, range);
 	findLayers(grid, range, water);
 	findCarried(range, motion, dt);
 	findFaces(grid, range);
@@ -504,27 +507,44 @@ template <int D> double ImplicitPressure<D>::seepage(const Grid<D>& grid, int c,
 	return out;
 }
 
-/// What alternates over the four cells from c on along two axes; 0 if not all of them hold water.
-template <int D> double ImplicitPressure<D>::hourglass(const Grid<D>& grid, int c, int a, int b, const double* x) const
+/// Which pairs of axes have all four cells from c on filled with water, a bit each.
+template <int D> void ImplicitPressure<D>::findSquares(const Grid<D>& grid, const ActiveRange& range)
 {
-	const int sa = grid.cellStride(a), sb = grid.cellStride(b);
-	if (placeOf(grid, c, a) + 1 >= grid.cells(a) || placeOf(grid, c, b) + 1 >= grid.cells(b)) return 0.0;
-	if (cells_[c].state == none || cells_[c + sa].state == none || cells_[c + sb].state == none || cells_[c + sa + sb].state == none) return 0.0;
-	return x[c] - x[c + sa] - x[c + sb] + x[c + sa + sb];
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			int pair    = 0;
+			squares_[c] = 0;
+			for (int a = 0; a < D; ++a)
+				for (int b = a + 1; b < D; ++b, ++pair) {
+					const int sa = grid.cellStride(a), sb = grid.cellStride(b);
+					if (cells_[c].state == none || placeOf(grid, c, a) + 1 >= grid.cells(a) || placeOf(grid, c, b) + 1 >= grid.cells(b)
+					    || c + sa + sb >= range.lastCell)
+						continue;
+					if (cells_[c + sa].state != none && cells_[c + sb].state != none && cells_[c + sa + sb].state != none)
+						squares_[c] |= 1 << pair;
+				}
+		}
+	});
+}
+
+/// What alternates over the four cells from c on, sa and sb cells apart; 0 if not all of them hold water.
+template <int D> double ImplicitPressure<D>::hourglass(int c, int pair, int sa, int sb, const double* x) const
+{
+	return c >= 0 && (squares_[c] >> pair & 1) ? x[c] - x[c + sa] - x[c + sb] + x[c + sa + sb] : 0.0;
 }
 
 /// What a cell gives to others because pressures alternate [m^D].
 template <int D> double ImplicitPressure<D>::checkerboard(const Grid<D>& grid, int c, const double* x) const
 {
-	double sum = 0.0;
+	double sum  = 0.0;
+	int    pair = 0;
 	for (int a = 0; a < D; ++a)
-		for (int b = a + 1; b < D; ++b) {
-			const int  sa = grid.cellStride(a), sb = grid.cellStride(b);
-			const bool behindA = placeOf(grid, c, a) > 0, behindB = placeOf(grid, c, b) > 0;
-			sum += hourglass(grid, c, a, b, x);
-			if (behindA) sum -= hourglass(grid, c - sa, a, b, x);
-			if (behindB) sum -= hourglass(grid, c - sb, a, b, x);
-			if (behindA && behindB) sum += hourglass(grid, c - sa - sb, a, b, x);
+		for (int b = a + 1; b < D; ++b, ++pair) {
+			const int sa = grid.cellStride(a), sb = grid.cellStride(b);
+			sum += hourglass(c, pair, sa, sb, x);
+			sum -= hourglass(c - sa, pair, sa, sb, x);
+			sum -= hourglass(c - sb, pair, sa, sb, x);
+			sum += hourglass(c - sa - sb, pair, sa, sb, x);
 		}
 	return checkerboard_ * sum;
 }
@@ -547,15 +567,6 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 			        ? 0.0
 			        : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + seepage(grid, c, x)) + checkerboard(grid, c, x);
 	});
-}
-
-/// Values of cells that each rank has for those that its points touch become known as far as forces and flows of these reach.
-template <int D> void ImplicitPressure<D>::share(const StepContext<D>& step, PagedArray<double>& values) const
-{
-	if (!step.slabs) return;
-	step.slabs->shared().beyond = true;
-	step.slabs->shared().cells(values.data());
-	step.slabs->complete();
 }
 
 template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
@@ -595,27 +606,45 @@ template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& s
 	});
 }
 
-template <int D> void ImplicitPressure<D>::findDiagonal(const Grid<D>& grid, const ActiveRange& range, double dt)
+/// Conductance by the inertia of the ground between a cell and the next one along an axis: what its face moves in the step [m^D/Pa], eq. (7.10).
+template <int D> double ImplicitPressure<D>::movedAcross(const Grid<D>& grid, int c, int axis) const
 {
-	range.overCells([&](int first, int last) {
+	double gives = 0.0;
+	for (int k = 0; k < 1 << D; ++k) {
+		if (!(k >> axis & 1)) continue;
+		int node = baseNodes_[c];
+		for (int a = 0; a < D; ++a)
+			node += (1 + (k >> a & 1)) * grid.nodeStride(a);
+		gives += solid_[node][axis];
+	}
+	return faceArea_ * faceArea_ * cells_[c].fill * cells_[c + grid.cellStride(axis)].fill * gives / (1 << (D - 1));
+}
+
+/// The matrix of the preconditioner. A pressure that is the same in all cells moves the ground at its surface only; what it moves there is stored.
+template <int D> void ImplicitPressure<D>::findPreconditioner(const StepContext<D>& step, const MomentumSolver<D>& momentum)
+{
+	const Grid<D>& grid = step.grid;
+	const double   dt   = step.dt;
+	// the states of the halo are those at the start of the step
+	step.owned.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c)
+			direction_[c] = cells_[c].state == wet ? 1.0 : 0.0;
+	});
+	Multigrid::share(step, direction_);
+	apply(step, momentum, direction_.data(), image_.data());
+	step.halo.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
-			const Cell& cell = cells_[c];
-			diagonal_[c]     = 1.0;
-			if (cell.state == none) continue;
-			double moved = cell.drained;
-			for (int k = 0; k < corners; ++k) {
-				const double* const b     = link(c) + k * D;
-				const double* const gives = solid_[baseNodes_[c] + nodeOffset_[k]];
-				for (int a = 0; a < D; ++a)
-					moved += b[a] * b[a] * gives[a];
-			}
-			for (int a = 0; a < D; ++a) {
-				moved += faces_[a][c].conductance;
-				if (c >= grid.cellStride(a)) moved += faces_[a][c - grid.cellStride(a)].conductance;
-			}
-			diagonal_[c] = cell.compliance + dt * moved + 2 * D * (D - 1) * checkerboard_;
+			auto& m = multigrid_[c];
+			m       = {};
+			if (direction_[c] == 0.0) continue;
+			m.storage = cells_[c].compliance + dt * cells_[c].drained;
+			if (c >= step.owned.firstCell && c < step.owned.lastCell) m.storage = std::max(m.storage, image_[c]);
+			for (int a = 0; a < D; ++a)
+				if (hasNext(grid, step.halo, c, a) && direction_[c + grid.cellStride(a)] != 0.0)
+					m.conductance[a] = dt * (faces_[a][c].conductance + movedAcross(grid, c, a));
 		}
 	});
+	multigrid_.build(step);
 }
 
 /// Sums by strips of the points, as the accounts of a step have them: so they have one order for any number of threads and ranks.
@@ -656,34 +685,35 @@ template <int D> template <class Value> double ImplicitPressure<D>::sumOfNodes(c
 	});
 }
 
-/// Conjugate gradients, preconditioned by the diagonal, from the change that stands.
-template <int D> void ImplicitPressure<D>::iterate(const StepContext<D>& step, const MomentumSolver<D>& momentum)
+/// Conjugate gradients, preconditioned by multigrid, from the change that stands. goal: the largest of the rounds of a step.
+template <int D> void ImplicitPressure<D>::iterate(const StepContext<D>& step, const MomentumSolver<D>& momentum, double& goal)
 {
 	const ActiveRange& range = step.owned;
+	findPreconditioner(step, momentum);
 	apply(step, momentum, change_.data(), image_.data());
 	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			residual_[c]  = initial_[c] - image_[c];
-			direction_[c] = cells_[c].state == wet ? residual_[c] / diagonal_[c] : 0.0;
-		}
+		for (int c = first; c < last; ++c)
+			residual_[c] = initial_[c] - image_[c];
 	});
-	double       norm  = sum(step, [&](int c) { return residual_[c] * residual_[c] / diagonal_[c]; });
-	const double stand = sum(step, [&](int c) { return diagonal_[c] * cells_[c].base * cells_[c].base; });
-	const double goal  = std::max(relativeResidual * relativeResidual * norm, smallestResidual * smallestResidual * stand);
+	multigrid_.solve(step, residual_, direction_);
+	double       norm  = sum(step, [&](int c) { return residual_[c] * direction_[c]; });
+	const double stand = sum(step, [&](int c) { return multigrid_.diagonal(c) * cells_[c].base * cells_[c].base; });
+	goal               = std::max({ goal, relativeResidual * relativeResidual * norm, smallestResidual * smallestResidual * stand });
 	for (int k = 0; k < mostIterations && norm > goal; ++k, ++iterations_) {
-		share(step, direction_);
+		Multigrid::share(step, direction_);
 		apply(step, momentum, direction_.data(), image_.data());
 		const double way = norm / sum(step, [&](int c) { return direction_[c] * image_[c]; });
 		range.overCells([&](int first, int last) {
 			for (int c = first; c < last; ++c) {
-				if (cells_[c].state == wet) change_[c] += way * direction_[c];
+				change_[c] += way * direction_[c];
 				residual_[c] -= way * image_[c];
 			}
 		});
-		const double next = sum(step, [&](int c) { return residual_[c] * residual_[c] / diagonal_[c]; });
+		multigrid_.solve(step, residual_, preconditioned_);
+		const double next = sum(step, [&](int c) { return residual_[c] * preconditioned_[c]; });
 		range.overCells([&](int first, int last) {
 			for (int c = first; c < last; ++c)
-				direction_[c] = cells_[c].state == wet ? residual_[c] / diagonal_[c] + next / norm * direction_[c] : 0.0;
+				direction_[c] = preconditioned_[c] + next / norm * direction_[c];
 		});
 		norm = next;
 	}
@@ -721,11 +751,10 @@ template <int D> void ImplicitPressure<D>::findMoved(const Grid<D>& grid, const 
 				f.moved = dt * f.conductance * (cell.pressure + change_[c] - cells_[c + s].pressure - change_[c + s] + f.weight);
 				for (int b = 0; b < D; ++b) {
 					if (b == a) continue;
-					const auto alternates = [&](int at) {
-						return a < b ? hourglass(grid, at, a, b, change_.data()) : hourglass(grid, at, b, a, change_.data());
-					};
-					f.moved += 0.5 * checkerboard_ * alternates(c);
-					if (placeOf(grid, c, b) > 0) f.moved -= 0.5 * checkerboard_ * alternates(c - grid.cellStride(b));
+					const int low = std::min(a, b), high = std::max(a, b), pair = low == 0 ? high - 1 : 2;
+					const int sl = grid.cellStride(low), sh = grid.cellStride(high);
+					f.moved += 0.5 * checkerboard_ * hourglass(c, pair, sl, sh, change_.data());
+					f.moved -= 0.5 * checkerboard_ * hourglass(c - grid.cellStride(b), pair, sl, sh, change_.data());
 				}
 			}
 		}
@@ -741,12 +770,12 @@ void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& m
 	const double volume = sumOfNodes(step, [&](int i) { return water.nodes[i][PoreWater<D>::volumeAt]; });
 	checkerboard_       = volume > 0.0 ? checkerboardPart * dt * dt * cellVolume_ / (spacing_ * spacing_ * mass / volume) : 0.0;
 	findResiduals(step, motion, water, liquidDensity);
-	findDiagonal(step.grid, step.owned, dt);
 	iterations_ = 0;
+	double goal = 0.0;
 	for (int round = 0; round < mostRounds; ++round) {
-		iterate(step, momentum);
+		iterate(step, momentum, goal);
 		const bool changed = changeStates(step);
-		share(step, change_);
+		Multigrid::share(step, change_);
 		if (!changed) break;
 	}
 	findMoved(step.grid, step.halo, dt);
@@ -762,8 +791,9 @@ template <int D> void ImplicitPressure<D>::keepOnly(const ActiveRange& range)
 	liquids_.keepOnly(first * corners, last * corners);
 	for (auto& faces : faces_)
 		faces.keepOnly(first, last);
-	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &diagonal_ })
+	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &preconditioned_ })
 		values->keepOnly(first, last);
+	multigrid_.keepOnly(range);
 	for (auto* field : { &solid_, &liquid_, &force_, &moved_ })
 		field->keepOnly(range.firstNode, range.lastNode);
 	carried_.keepOnly(range.firstNode, range.lastNode);

@@ -4,6 +4,7 @@
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
+#include <pkg/mpm/effects/PressureMultigrid.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/CellMeans.hpp>
@@ -64,6 +65,7 @@ public:
 	int iterations() const { return iterations_; }
 
 private:
+	using Multigrid              = PressureMultigrid<D>;
 	static constexpr int corners = D == 2 ? 16 : 64; ///< nodes that the points of a cell reach
 	static constexpr int inRow   = 4 * D;            ///< numbers of a row of four nodes, which follow each other in memory
 	/// Sums over the points of a cell, and means of them once the flow begins.
@@ -122,24 +124,26 @@ private:
 	double divergence(int cell, const NodeField<D>& values) const;
 	/// y of the cells of this rank, from x of those around them, too.
 	void   apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y);
-	void   share(const StepContext<D>& step, PagedArray<double>& values) const;
 	double seepage(const Grid<D>& grid, int cell, const double* x) const;
 	double checkerboard(const Grid<D>& grid, int cell, const double* x) const;
-	double hourglass(const Grid<D>& grid, int cell, int a, int b, const double* x) const;
+	double hourglass(int cell, int pair, int sa, int sb, const double* x) const;
+	void   findSquares(const Grid<D>& grid, const ActiveRange& range);
 	void   findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
-	void   findDiagonal(const Grid<D>& grid, const ActiveRange& range, double dt);
+	double movedAcross(const Grid<D>& grid, int cell, int axis) const;
+	void   findPreconditioner(const StepContext<D>& step, const MomentumSolver<D>& momentum);
 	/// Temperature of the water that a cell gives to the next one along an axis (step 1) or to the one before (-1): second order where it changes
 	/// evenly, and never beyond both cells [degC].
 	double                        givenTemperature(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int step) const;
 	template <class Work> double  sumOfStrips(const StepContext<D>& step, Work&& ofStrip);
 	template <class Value> double sum(const StepContext<D>& step, Value&& value);
 	template <class Value> double sumOfNodes(const StepContext<D>& step, Value&& value);
-	void                          iterate(const StepContext<D>& step, const MomentumSolver<D>& momentum);
+	void                          iterate(const StepContext<D>& step, const MomentumSolver<D>& momentum, double& goal);
 	bool                          changeStates(const StepContext<D>& step);
 	void                          findMoved(const Grid<D>& grid, const ActiveRange& range, double dt);
 
 	PagedArray<Cell>                 cells_;
 	PagedArray<int>                  baseNodes_;
+	PagedArray<unsigned char>        squares_; ///< see findSquares()
 	PagedArray<double>               links_;   ///< sum V grad S of each cell at its nodes
 	PagedArray<double>               liquids_; ///< sum m_l S of each cell at its nodes
 	std::array<PagedArray<Face>, D>  faces_;
@@ -149,7 +153,8 @@ private:
 	std::array<int, D>               strides_ {}, step_ {}; ///< from a node to the next one along an axis, on the grid and among the corners
 	std::array<int, corners / 4>     rowOffset_ {};
 	int                              cellsOfRow_ = 1;
-	PagedArray<double>               change_, residual_, initial_, direction_, image_, diagonal_;
+	PagedArray<double>               change_, residual_, initial_, direction_, image_, preconditioned_;
+	Multigrid                        multigrid_;
 	NodeField<D>                     solid_, liquid_, force_, moved_;
 	PagedArray<double>               carried_; ///< part of the weight of a node that stress carries [-]
 	std::vector<Vec<D>>              open_;    ///< direction in which water may leave at a node; the faces of a slope then have its area
