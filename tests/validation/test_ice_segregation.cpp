@@ -378,11 +378,12 @@ TEST(IceSegregation, HeaveThroughAFringeThickerThanACellMeetsFiniteVolumes_slow)
 namespace {
 
 /// Five cells between a cold base and a warm upper side, in which heat stands still; stiff, so that little water changes its pressure.
-Ground<2> shortColumn(double h, bool held)
+Ground<2> shortColumn(double h, bool held, double densityOfIce = iceDensity)
 {
 	constexpr double cold = -0.4, warm = 0.1;
 	auto             s                          = freezingGround<2>(h, { h, (held ? 5.0 : 8.0) * h });
 	s.mixture.solid.conductivity                = 20.0; // what freezes bends no profile
+	s.mixture.ice.density                       = densityOfIce;
 	s.heat->thermalTimeScale                    = 1e4;
 	s.water->permeability.referenceConductivity = 1e-7;
 	s.water->state.liquidBulkModulus            = 2.2e8;
@@ -440,6 +441,20 @@ TEST(IceSegregation, GroundThatIsHeldPressesWithTheHeavingPressureAndClosedGroun
 	        "ground that freezes and cannot heave or drink: suction of closed ground at no flow over its lowest temperature [Pa/K]",
 	        sumOf(closed, "pressure") / count / coldest(closed, h), waterDensity * latent / kelvin, 0.04);
 	expectSmall("ground that freezes and cannot heave or drink: water gained by closed ground", closed.balance().waterMass / start.waterMass - 1.0, 1e-13);
+}
+
+// Where pore ice is lighter than water, what still melts in closed ground makes room, so that the pressure goes on to fall.
+TEST(IceSegregation, SuctionOfClosedGroundStaysAtNoFlowWhereIceIsAsDenseAsWater)
+{
+	citing("Clapeyron");
+	const double h       = 0.05;
+	Ground<2>    closed  = shortColumn(h, false, waterDensity);
+	const auto   suction = [&] { return sumOf(closed, "pressure") / closed.points().count() / coldest(closed, h); };
+	marchTo(closed, 0.8);
+	const double atNoFlow = suction();
+	marchTo(closed, 1.6);
+	expectRelative("ice as dense as water in closed ground: suction over its lowest temperature [Pa/K]", suction(), waterDensity * latent / kelvin, 0.02);
+	expectRelative("ice as dense as water in closed ground: suction after twice the time", suction(), atNoFlow, 1e-3);
 }
 
 // A column under its own weight that freezes from below, thaws and freezes again, with water at its surface.
