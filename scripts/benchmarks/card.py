@@ -31,7 +31,8 @@ def measured(result):
 		if not row["same"]:
 			found.append(Figure(f"{name}: bits differ, nothing is compared", float("nan"), floor=0))
 			continue
-		terms = {"one core [ns]": row["core"], "all cores [ns]": row["all"]}
+		terms = {"one core [ns]": row["core"], "all cores [ns]": row["all"], "lists an update": row["lists"]}
+		terms |= {f"of it {part} [ns]": row[part] for part in ("making", "sending", "waiting", "receiving", "taking")}
 		found.append(Figure(name, row["device"], "ns a grain and step", terms=terms))
 		found.append(Figure(f"{name}: all cores over the card", row["all"] / row["device"], "x"))
 	return found, [f"{result['device']} beside {result['threads']} threads; calls are whole ones: gradients go in, stress and tangent come out"]

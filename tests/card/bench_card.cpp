@@ -7,6 +7,7 @@
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -29,45 +30,65 @@ public:
 		for (std::size_t s = 0; s < samples; ++s)
 			pool.add(start);
 	}
-	/// Nanoseconds a grain and step of some calls of so many steps.
-	double call(long steps, int calls)
+	/// Nanoseconds a grain and step of some calls of so many steps, each with such a strain.
+	double call(long steps, int calls, double strain)
 	{
 		PackedUpdateOptions options;
 		options.steps = steps;
-		long   done   = 0;
+		done          = 0;
 		double start  = now();
 		for (int k = 0; k < calls; ++k) {
 			std::vector<PackedRequest<Dim>> requests(pool.size());
 			for (std::size_t s = 0; s < pool.size(); ++s) {
 				requests[s].sample                     = s;
-				requests[s].displacementGradient(0, 1) = 1e-7 * double(steps) * (1 + 1e-3 * double(s % 100));
+				requests[s].displacementGradient(0, 1) = strain * double(steps) * (1 + 1e-3 * double(s % 100));
 				requests[s].iceSaturation              = pool.parameters(s).iceSaturation;
 			}
 			for (const auto& result : pool.update(requests, options, team))
 				done += result.steps;
-			if (k == 0) start = now(), done = 0; // samples go to the device once
+			if (k == 0) start = now(), done = 0, before = pool.deviceUse(); // samples go to the device once
 		}
-		return (now() - start) * 1e9 / double(done) / double(grains);
+		return perGrainAndStep(now() - start);
+	}
+	/// Where the time went, the same [ns], and how often lists were built in an update.
+	void printParts() const
+	{
+		const DeviceUse use = pool.deviceUse();
+		std::printf(
+		        "\"making\": %.3g, \"sending\": %.3g, \"waiting\": %.3g, \"receiving\": %.3g, \"taking\": %.3g, \"lists\": %.3g, \"ended\": %.3g, ",
+		        perGrainAndStep(use.making - before.making), perGrainAndStep(use.sending - before.sending),
+		        perGrainAndStep(use.waiting - before.waiting), perGrainAndStep(use.receiving - before.receiving),
+		        perGrainAndStep(use.taking - before.taking), perUpdate(use, use.lists - before.lists), perUpdate(use, use.ended - before.ended));
 	}
 	std::string bytes() const { return pool.state(0).toBytes() + pool.state(pool.size() - 1).toBytes(); }
 
 private:
+	double perGrainAndStep(double seconds) const { return seconds * 1e9 / double(done) / double(grains); }
+	double perUpdate(const DeviceUse& use, std::size_t number) const
+	{
+		return double(number) / double(std::max<std::size_t>(1, use.done + use.ended - before.done - before.ended));
+	}
+
 	SamplePool<Dim> pool;
 	std::size_t     grains;
 	int             team;
+	long            done = 0;
+	DeviceUse       before;
 };
 
 bool first = true;
 
-template <int Dim> bool row(const char* kind, const PackedState<Dim>& start, std::size_t samples, long steps, const std::shared_ptr<SampleDevice>& device)
+template <int Dim>
+bool row(const char* kind, const PackedState<Dim>& start, std::size_t samples, long steps, const std::shared_ptr<SampleDevice>& device, double strain = 1e-7)
 {
 	constexpr int calls = 6;
 	Measured<Dim> one(start, std::min<std::size_t>(samples, 24), nullptr, 1), all(start, samples, nullptr, 0), there(start, samples, device, 0);
-	const double  ofOne = one.call(steps, calls), ofAll = all.call(steps, calls), ofDevice = there.call(steps, calls);
+	const double  ofOne = one.call(steps, calls, strain), ofAll = all.call(steps, calls, strain), ofDevice = there.call(steps, calls, strain);
 	const bool    same = all.bytes() == there.bytes();
-	std::printf(
-	        "%s{\"kind\": \"%s\", \"samples\": %zu, \"grains\": %zu, \"steps\": %ld, \"same\": %s, \"core\": %.4g, \"all\": %.4g, \"device\": %.4g}",
-	        first ? "" : ",\n", kind, samples, start.size(), steps, same ? "true" : "false", ofOne, ofAll, same ? ofDevice : 0.);
+	std::printf("%s{\"kind\": \"%s\", \"samples\": %zu, \"grains\": %zu, \"steps\": %ld, ", first ? "" : ",\n", kind, samples, start.size(), steps);
+	there.printParts();
+	std::printf("\"same\": %s, \"core\": %.4g, \"all\": %.4g, \"device\": %.4g}", same ? "true" : "false", ofOne, ofAll, same ? ofDevice : 0.);
+	std::fflush(stdout);
 	first = false;
 	return same;
 }
@@ -84,6 +105,7 @@ template <int Dim> bool rows(const PackedState<Dim>& moving, std::size_t samples
 		same &= row<Dim>(kind.c_str(), start, samples, steps, device);
 		same &= row<Dim>((kind + ", frozen").c_str(), frozen, samples, steps, device);
 	}
+	same &= row<Dim>((kind + ", flowing").c_str(), moving, samples, 40, device, 1e-5); // lists of neighbours are used up
 	return same;
 }
 
