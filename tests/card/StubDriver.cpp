@@ -145,7 +145,24 @@ int cuLaunchKernel(
 		kernel.run(a, int(k), reinterpret_cast<unsigned char*>(space.data()));
 	return 0;
 }
-int cuCtxSynchronize() { return answer("cuCtxSynchronize"); }
+int cuMemcpyHtoDAsync_v2(unsigned long long to, const void* from, std::size_t bytes, void*)
+{
+	std::memcpy(reinterpret_cast<void*>(to), from, bytes);
+	return answer("cuMemcpyHtoDAsync_v2");
+}
+int cuMemcpyDtoHAsync_v2(void* to, unsigned long long from, std::size_t bytes, void*)
+{
+	const int result = answer("cuMemcpyDtoHAsync_v2");
+	if (result == 0) std::memcpy(to, reinterpret_cast<const void*>(from), bytes);
+	return result;
+}
+int cuStreamCreate(void** stream, unsigned)
+{
+	*stream = &memory;
+	return answer("cuStreamCreate");
+}
+int cuStreamDestroy_v2(void*) { return answer("cuStreamDestroy_v2"); }
+int cuStreamSynchronize(void*) { return answer("cuStreamSynchronize"); }
 int cuGetErrorName(int error, const char** name)
 {
 	*name = error == 2     ? "CUDA_ERROR_OUT_OF_MEMORY"

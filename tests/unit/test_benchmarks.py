@@ -69,7 +69,8 @@ def test_kernels_that_take_two_per_cent_more_time_than_those_of_a_revision_or_gi
 
 def test_a_card_is_compared_where_the_bits_agree_and_only_there(tmp_path):
 	"""The program that measures is played by one that prints its rows."""
-	row = dict(kind="discs", samples=132, grains=200, steps=40, core=5.0, all=2.5, device=0.05)
+	parts = dict(making=0.01, sending=0.01, waiting=0.02, receiving=0.0, taking=0.01, lists=0.1)
+	row = dict(kind="discs", samples=132, grains=200, steps=40, core=5.0, all=2.5, device=0.05, **parts)
 	program = tmp_path / "bench"
 	program.write_text(f"#!/bin/sh\ncat <<'END'\n{json.dumps(dict(device='a card', threads=2, rows=[dict(row, same=True), dict(row, same=False)]))}\nEND\n")
 	program.chmod(0o755)

@@ -275,8 +275,8 @@ TEST(SampleDevice, cardThatFailsAtAnyCallOfItsDriverLeavesTheRunItsBits)
 	const std::vector<PackedState<2>> starts { frozen<2>(0.1), thawed<2>(), frozen<2>(0.2), thawed<2>(), frozen<2>(0.1), thawed<2>() };
 	const auto of = [](int r, int s) { return Round { 1e-3, 3e-4 * std::sin(r), s % 2 ? 0. : s == 2 ? 0.2 - 0.01 * (r % 4) : 0.1 + 0.01 * (r % 3) }; };
 	expectSameRun<2>(starts, 12, stub(""), of, "driver that works", 5, 20);
-	for (const char* function :
-	     { "cuMemGetInfo_v2", "cuMemAlloc_v2", "cuMemHostAlloc", "cuMemcpyHtoD_v2", "cuLaunchKernel", "cuCtxSynchronize", "cuMemcpyDtoH_v2" })
+	for (const char* function : { "cuMemGetInfo_v2", "cuMemAlloc_v2", "cuMemHostAlloc", "cuMemcpyHtoD_v2", "cuMemcpyHtoDAsync_v2", "cuLaunchKernel",
+	                              "cuMemcpyDtoHAsync_v2", "cuStreamCreate", "cuStreamSynchronize", "cuMemcpyDtoH_v2" })
 		for (const int at : { 1, 2, 5, 16 }) {
 			const std::string wishes = "fail " + std::string(function) + " " + std::to_string(at) + " 719";
 			Said              said;
@@ -294,6 +294,14 @@ TEST(SampleDevice, samplesThatStayLongAreKeptByTheHostNowAndThenAndSurviveTheLos
 		const auto use = expectSameRun<2>({ thawed<2>(), frozen<2>(0.1) }, 140, stub(wishes), of, "samples that stay", 0, 100);
 		EXPECT_EQ(use.ended, 0u);
 	}
+}
+
+TEST(SampleDevice, thousandsOfSamplesGoInSeveralPartsWithTheBitsOfTheProcessor)
+{
+	const std::vector<PackedState<2>> starts(2100, thawed<2>());
+	const auto                        of = [](int r, int s) { return Round { 1e-6 * (s % 7), 1e-7 * r, 0 }; };
+	expectSameRun<2>(starts, 1, makeTwin(), of, "two parts", 0, 1500);
+	expectSameRun<2>(starts, 2, stub("fail cuStreamSynchronize 4 719"), of, "two parts, the last of which is lost", 0, 2000);
 }
 
 TEST(SampleDevice, cardWithTooLittleMemoryTakesWhatFitsAndSaysSo)

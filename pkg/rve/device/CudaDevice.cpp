@@ -55,7 +55,11 @@ namespace {
 			find(kernelNamed, "cuModuleGetFunction");
 			find(setKernelAttribute, "cuFuncSetAttribute");
 			find(launch, "cuLaunchKernel");
-			find(wait, "cuCtxSynchronize");
+			find(copyInLater, "cuMemcpyHtoDAsync_v2");
+			find(copyOutLater, "cuMemcpyDtoHAsync_v2");
+			find(createStream, "cuStreamCreate");
+			find(destroyStream, "cuStreamDestroy_v2");
+			find(waitForStream, "cuStreamSynchronize");
 			find(errorName, "cuGetErrorName");
 		}
 		~Driver() { dlclose(library); }
@@ -92,7 +96,11 @@ namespace {
 		Result (*kernelNamed)(Kernel*, Module, const char*);
 		Result (*setKernelAttribute)(Kernel, int, int);
 		Result (*launch)(Kernel, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, void*, void**, void**);
-		Result (*wait)();
+		Result (*copyInLater)(Address, const void*, std::size_t, void*);
+		Result (*copyOutLater)(void*, Address, std::size_t, void*);
+		Result (*createStream)(void**, unsigned);
+		Result (*destroyStream)(void*);
+		Result (*waitForStream)(void*);
 		Result (*errorName)(Result, const char**);
 
 	private:
@@ -209,13 +217,34 @@ namespace {
 			KernelArguments arguments  = given;
 			void*           pointers[] = { &arguments };
 			driver.check(
-			        driver.launch(kernel, unsigned(given.count), 1, 1, unsigned(shape.threads), 1, 1, unsigned(memory), nullptr, pointers, nullptr),
+			        driver.launch(kernel, unsigned(given.count), 1, 1, unsigned(shape.threads), 1, 1, unsigned(memory), queue, pointers, nullptr),
 			        "to begin a step of the samples");
 		}
-		void wait() override
+		void copyInLater(std::uint64_t to, const void* from, std::size_t bytes) override
 		{
 			current();
-			driver.check(driver.wait(), "in a step of the samples");
+			driver.check(driver.copyInLater(to, from, bytes, queue), "to take calls");
+		}
+		void copyOutLater(void* to, std::uint64_t from, std::size_t bytes) override
+		{
+			current();
+			driver.check(driver.copyOutLater(to, from, bytes, queue), "to give answers");
+		}
+		void useQueue(std::size_t number) override
+		{
+			constexpr unsigned besideOthers = 1;
+			current();
+			while (queues.size() <= number) {
+				void* made = nullptr;
+				driver.check(driver.createStream(&made, besideOthers), "to make a queue for launches");
+				queues.push_back(made);
+			}
+			queue = queues[number];
+		}
+		void waitFor(std::size_t number) override
+		{
+			current();
+			driver.check(driver.waitForStream(queues[number]), "in a step of the samples");
 		}
 		long memoryOfBlock() const override { return blockMemory; }
 
@@ -237,6 +266,8 @@ namespace {
 		void end()
 		{
 			driver.setCurrent(context);
+			for (void* const made : queues)
+				driver.destroyStream(made);
 			if (module) driver.unloadModule(module);
 			driver.releaseContext(device);
 		}
@@ -246,6 +277,8 @@ namespace {
 		Context                       context = nullptr;
 		Module                        module  = nullptr;
 		std::map<std::string, Kernel> kernels;
+		std::vector<void*>            queues;
+		void*                         queue = nullptr; ///< in use
 		std::string                   title;
 		long                          blockMemory = 0;
 	};

@@ -38,6 +38,9 @@ public:
 		std::uint64_t address = 0;
 		void*         host    = nullptr;
 		std::size_t   bytes   = 0;
+
+		template <class Item> std::uint64_t at(std::size_t k) const { return address + k * sizeof(Item); }
+		template <class Item> Item*         hostAt(std::size_t k) const { return static_cast<Item*>(host) + k; }
 	};
 	/// For calls or answers, kept until it is asked for anew; which: its number.
 	const Buffer& buffer(std::size_t which, std::size_t bytes);

@@ -20,17 +20,22 @@ class SampleDevice {
 public:
 	virtual ~SampleDevice() = default;
 
-	virtual std::string   name() const                                                        = 0;
-	virtual std::size_t   freeMemory()                                                        = 0; ///< [bytes]
-	virtual std::uint64_t allocate(std::size_t bytes)                                         = 0;
-	virtual void          release(std::uint64_t address) noexcept                             = 0;
-	virtual void*         allocateOnHost(std::size_t bytes)                                   = 0; ///< what is copied fast
-	virtual void          releaseOnHost(void* memory) noexcept                                = 0;
-	virtual void          copyIn(std::uint64_t to, const void* from, std::size_t bytes)       = 0;
-	virtual void          copyOut(void* to, std::uint64_t from, std::size_t bytes)            = 0;
-	virtual void          launch(const KernelShape& kernel, const KernelArguments& arguments) = 0; ///< a block for each call
-	virtual void          wait()                                                              = 0;
-	virtual long          memoryOfBlock() const                                               = 0; ///< largest [bytes]
+	virtual std::string   name() const                                                  = 0;
+	virtual std::size_t   freeMemory()                                                  = 0; ///< [bytes]
+	virtual std::uint64_t allocate(std::size_t bytes)                                   = 0;
+	virtual void          release(std::uint64_t address) noexcept                       = 0;
+	virtual void*         allocateOnHost(std::size_t bytes)                             = 0; ///< what is copied fast
+	virtual void          releaseOnHost(void* memory) noexcept                          = 0;
+	virtual void          copyIn(std::uint64_t to, const void* from, std::size_t bytes) = 0;
+	virtual void          copyOut(void* to, std::uint64_t from, std::size_t bytes)      = 0;
+	/// Launches and the copies below go into the queue with this number from now on: in their order, beside those of other queues.
+	virtual void useQueue(std::size_t number) = 0;
+	/// The memory of the host is from allocateOnHost().
+	virtual void copyInLater(std::uint64_t to, const void* from, std::size_t bytes)  = 0;
+	virtual void copyOutLater(void* to, std::uint64_t from, std::size_t bytes)       = 0;
+	virtual void launch(const KernelShape& kernel, const KernelArguments& arguments) = 0; ///< a block for each call
+	virtual void waitFor(std::size_t queue)                                          = 0; ///< until all in it is done
+	virtual long memoryOfBlock() const                                               = 0; ///< largest [bytes]
 };
 
 /// The kernels, the smaller ones first, and the memory of a block of theirs [bytes].

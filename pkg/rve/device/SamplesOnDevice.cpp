@@ -162,11 +162,25 @@ SamplesOnDevice<Dim>::SamplesOnDevice(std::shared_ptr<SampleDevice> device, std:
 template <int Dim> SamplesOnDevice<Dim>::~SamplesOnDevice() = default;
 template <int Dim> bool SamplesOnDevice<Dim>::lost() const { return memory->lost(); }
 
-template <int Dim> template <class Which, class Work> void SamplesOnDevice<Dim>::inParallel(std::vector<Task>& tasks, int threads, Which which, Work work)
+/// A part is large enough to fill a card.
+template <int Dim> std::vector<typename SamplesOnDevice<Dim>::Part> SamplesOnDevice<Dim>::partsOf(std::size_t tasks) const
+{
+	constexpr std::size_t mostParts = 4, leastOfPart = 1000;
+	const std::size_t     number = std::max<std::size_t>(1, std::min(mostParts, tasks / leastOfPart));
+	std::vector<Part>     all;
+	for (std::size_t k = 0; k < number; ++k)
+		all.push_back({ k, tasks * k / number, tasks * (k + 1) / number });
+	return all;
+}
+
+template <int Dim>
+template <class Which, class Work>
+void SamplesOnDevice<Dim>::inParallel(std::vector<Task>& tasks, Part part, int threads, Which which, Work work)
 {
 	chosen.clear();
-	for (Task& task : tasks)
-		if (which(task)) chosen.push_back(&task);
+	for (std::size_t t = part.begin; t < part.end; ++t)
+		if (which(tasks[t])) chosen.push_back(&tasks[t]);
+	if (chosen.empty()) return;
 	const int count = int(chosen.size()), wanted = std::max(1, std::min(threads > 0 ? threads : ThreadPool::threads(), count));
 	while (workers.size() < std::size_t(wanted))
 		workers.push_back(std::make_unique<Worker>());
@@ -305,15 +319,16 @@ template <int Dim> void SamplesOnDevice<Dim>::plan(Task& task, Worker& worker)
 	if (task.isNew) task.away.reset();
 }
 
-template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks)
+template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks, Part part)
 {
 	std::map<std::size_t, std::size_t> wanted; // by size
-	for (const Task& task : tasks)
-		if (task.underWay() && task.isNew) ++wanted[DeviceMemory::sizeOf(task.away->layout)];
+	for (std::size_t t = part.begin; t < part.end; ++t)
+		if (tasks[t].underWay() && tasks[t].isNew) ++wanted[DeviceMemory::sizeOf(tasks[t].away->layout)];
 	for (const auto& [size, number] : wanted)
 		memory->reserve(size, number);
 	std::size_t without = 0, each = 0;
-	for (Task& task : tasks) {
+	for (std::size_t t = part.begin; t < part.end; ++t) {
+		Task& task = tasks[t];
 		if (!task.underWay() || !task.isNew) continue;
 		SampleOnDevice<Dim>& away = *task.away;
 		if (memory->device().memoryOfBlock() < memoryOfBlock(away.layout)) {
@@ -339,11 +354,11 @@ template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks)
 }
 
 /// A launch for each layout. Calls and answers lie in the order of the tasks.
-template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks, typename Task::Stage stage)
+template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks, Part part, typename Task::Stage stage)
 {
 	launched           = 0;
 	std::size_t number = 0, last = 0;
-	for (std::size_t t = 0; t < tasks.size(); ++t) {
+	for (std::size_t t = part.begin; t < part.end; ++t) {
 		Task& task = tasks[t];
 		if (task.stage != stage) continue;
 		task.answer               = nullptr;
@@ -360,14 +375,15 @@ template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks
 		++number;
 	}
 	if (number == 0) return;
-	order          = memory->buffer(3, number * sizeof(std::uint32_t));
-	std::size_t at = 0;
+	const std::size_t size = part.end - part.begin;
+	std::size_t       at   = part.begin;
 	for (std::size_t k = 0; k < launched; ++k)
 		for (const std::uint32_t call : launches[k].calls)
 			static_cast<std::uint32_t*>(order.host)[at++] = call;
-	memory->device().copyIn(calls.address, calls.host, tasks.size() * sizeof(SampleCall));
-	memory->device().copyIn(order.address, order.host, number * sizeof(std::uint32_t));
-	at = 0;
+	memory->device().useQueue(part.number);
+	memory->device().copyInLater(calls.at<SampleCall>(part.begin), calls.hostAt<SampleCall>(part.begin), size * sizeof(SampleCall));
+	memory->device().copyInLater(order.at<std::uint32_t>(part.begin), order.hostAt<std::uint32_t>(part.begin), number * sizeof(std::uint32_t));
+	at = part.begin;
 	for (std::size_t k = 0; k < launched; ++k) {
 		const Launch&   launch = launches[k];
 		KernelArguments arguments {};
@@ -382,6 +398,8 @@ template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks
 		const auto  kernel  = std::find_if(kernels.begin(), kernels.end(), [&](const KernelShape& shape) { return shape.holds(launch.layout); });
 		memory->device().launch(*kernel, arguments);
 	}
+	memory->device().copyOutLater(answers.hostAt<SampleAnswer>(part.begin), answers.at<SampleAnswer>(part.begin), size * sizeof(SampleAnswer));
+	if (given.tangent) memory->device().copyOutLater(tangents.hostAt<Tangent>(part.begin), tangents.at<Tangent>(part.begin), size * sizeof(Tangent));
 }
 
 /// The state that a sample has now, on the host.
@@ -412,7 +430,7 @@ template <int Dim> void SamplesOnDevice<Dim>::bringHome(std::vector<Task>& tasks
 	const auto stays = [](const Task& task) { return task.stage == Task::processor && task.away; };
 	for (Task& task : tasks)
 		if (stays(task) && !task.away->since.empty()) fetch(task);
-	inParallel(tasks, threads, stays, [this](Task& task, Worker& worker) { leaveToProcessor(task, worker); });
+	inParallel(tasks, all(tasks), threads, stays, [this](Task& task, Worker& worker) { leaveToProcessor(task, worker); });
 }
 
 /// The host keeps the state of samples that have had many updates on the device, where they stay.
@@ -421,23 +439,21 @@ template <int Dim> void SamplesOnDevice<Dim>::settle(std::vector<Task>& tasks, i
 	for (Task& task : tasks)
 		if (task.settles) fetch(task);
 	inParallel(
-	        tasks, threads, [](const Task& task) { return task.settles && task.hasBytes(); },
+	        tasks, all(tasks), threads, [](const Task& task) { return task.settles && task.hasBytes(); },
 	        [](Task& task, Worker& worker) { task.away->settled(worker.ready(), task.aside->bytes); });
 }
 
-template <int Dim> void SamplesOnDevice<Dim>::awaitAll(std::vector<Task>& tasks, typename Task::Stage stage)
+template <int Dim> void SamplesOnDevice<Dim>::awaitAll(std::vector<Task>& tasks, Part part, typename Task::Stage stage)
 {
 	Stopwatch watch;
-	memory->device().wait();
-	watch.add(went.waiting);
-	if (launched > 0) {
-		memory->device().copyOut(answers.host, answers.address, tasks.size() * sizeof(SampleAnswer));
-		if (given.tangent) memory->device().copyOut(tangents.host, tangents.address, tasks.size() * tangentSums(Dim) * sizeof(double));
-	}
-	for (std::size_t t = 0; t < tasks.size(); ++t) {
+	bool      any = false;
+	for (std::size_t t = part.begin; t < part.end; ++t) {
 		if (tasks[t].stage != stage) continue;
-		tasks[t].answer  = static_cast<const SampleAnswer*>(answers.host) + t;
-		tasks[t].tangent = static_cast<const double*>(tangents.host) + t * tangentSums(Dim);
+		if (!any) memory->device().waitFor(part.number);
+		if (!any) watch.add(went.waiting);
+		any              = true;
+		tasks[t].answer  = answers.hostAt<SampleAnswer>(t);
+		tasks[t].tangent = *tangents.hostAt<Tangent>(t);
 	}
 	watch.add(went.receiving);
 }
@@ -460,24 +476,27 @@ template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, co
 			const std::size_t count = tasks.size();
 			calls                   = memory->buffer(0, count * sizeof(SampleCall));
 			answers                 = memory->buffer(1, count * sizeof(SampleAnswer));
-			tangents                = memory->buffer(2, given.tangent ? count * tangentSums(Dim) * sizeof(double) : sizeof(double));
+			tangents                = memory->buffer(2, given.tangent ? count * sizeof(Tangent) : sizeof(Tangent));
+			order                   = memory->buffer(3, count * sizeof(std::uint32_t));
 			for (std::size_t t = 0; t < count; ++t)
-				tasks[t].call = static_cast<SampleCall*>(calls.host) + t;
-			inParallel(
-			        tasks, threads, [](const Task&) { return true; }, [this](Task& task, Worker& worker) { plan(task, worker); });
-			watch.add(went.making);
-			placeAll(tasks);
+				tasks[t].call = calls.hostAt<SampleCall>(t);
+			// changes of ice come first: a part with some waits for them
+			parts                 = partsOf(count);
 			const auto changesIce = [](const Task& task) { return task.stage == Task::ice; };
-			if (std::any_of(tasks.begin(), tasks.end(), changesIce)) {
-				launchAll(tasks, Task::ice);
-				watch.add(went.sending);
-				awaitAll(tasks, Task::ice);
-				watch.restart();
-				inParallel(tasks, threads, changesIce, [this](Task& task, Worker&) { absorbIce(task); });
+			for (const Part& part : parts) {
+				inParallel(
+				        tasks, part, threads, [](const Task&) { return true; }, [this](Task& task, Worker& worker) { plan(task, worker); });
 				watch.add(went.making);
+				placeAll(tasks, part);
+				launchAll(tasks, part, Task::ice);
+				watch.add(went.sending);
+				awaitAll(tasks, part, Task::ice);
+				watch.restart();
+				inParallel(tasks, part, threads, changesIce, [this](Task& task, Worker&) { absorbIce(task); });
+				watch.add(went.making);
+				launchAll(tasks, part, Task::begun);
+				watch.add(went.sending);
 			}
-			launchAll(tasks, Task::begun);
-			watch.add(went.sending);
 		}
 	} catch (const DeviceFailure& failure) {
 		memory->lose(failure);
@@ -613,18 +632,23 @@ template <int Dim> void SamplesOnDevice<Dim>::end(std::vector<Task>& tasks, int 
 		went.left += tasks.size();
 		return;
 	}
+	Stopwatch watch;
 	try {
-		if (!memory->lost()) awaitAll(tasks, Task::begun);
+		for (const Part& part : parts) {
+			if (memory->lost()) break;
+			awaitAll(tasks, part, Task::begun);
+			watch.restart();
+			inParallel(
+			        tasks, part, threads, [](const Task& task) { return task.stage == Task::begun; },
+			        [this](Task& task, Worker&) {
+				        if (!task.answer->unsound) take(task);
+			        });
+			watch.add(went.taking);
+		}
 	} catch (const DeviceFailure& failure) {
 		memory->lose(failure);
 	}
-	Stopwatch watch;
-	if (!memory->lost())
-		inParallel(
-		        tasks, threads, [](const Task& task) { return task.stage == Task::begun; },
-		        [this](Task& task, Worker&) {
-			        if (!task.answer->unsound) take(task);
-		        });
+	watch.restart();
 	bool anySettles = false;
 	for (Task& task : tasks) {
 		anySettles |= task.settles;
@@ -636,7 +660,7 @@ template <int Dim> void SamplesOnDevice<Dim>::end(std::vector<Task>& tasks, int 
 	}
 	if (anySettles) settle(tasks, threads);
 	if (std::any_of(tasks.begin(), tasks.end(), underWay)) {
-		inParallel(tasks, threads, underWay, [this](Task& task, Worker& worker) { finish(task, worker); });
+		inParallel(tasks, all(tasks), threads, underWay, [this](Task& task, Worker& worker) { finish(task, worker); });
 		for (const Task& task : tasks)
 			went.ended += task.stage == Task::done && !task.away;
 	}

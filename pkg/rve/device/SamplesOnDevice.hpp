@@ -120,6 +120,13 @@ private:
 		std::vector<std::uint32_t> calls;
 	};
 	using Buffer = DeviceMemory::Buffer;
+	/// Some of the tasks: the device does one part while the host makes the calls of the next.
+	struct Part {
+		std::size_t number, begin, end;
+	};
+	std::vector<Part> partsOf(std::size_t tasks) const;
+	static Part       all(const std::vector<Task>& tasks) { return { 0, 0, tasks.size() }; }
+	using Tangent = double[tangentSums(Dim)];
 	std::string                             reasonAgainst(const PackedRequest<Dim>&, const PackedUpdateOptions&) const;
 	PackedUpdateOptions                     optionsOf(const Task&) const;
 	void                                    plan(Task&, Worker&);
@@ -127,9 +134,9 @@ private:
 	bool                                    planCall(Task&);
 	bool                                    planIce(Task&);
 	bool                                    planMotion(Task&);
-	void                                    placeAll(std::vector<Task>& tasks);
-	void                                    launchAll(std::vector<Task>& tasks, typename Task::Stage stage);
-	void                                    awaitAll(std::vector<Task>& tasks, typename Task::Stage stage);
+	void                                    placeAll(std::vector<Task>& tasks, Part);
+	void                                    launchAll(std::vector<Task>& tasks, Part, typename Task::Stage stage);
+	void                                    awaitAll(std::vector<Task>& tasks, Part, typename Task::Stage stage);
 	void                                    absorbIce(Task&);
 	void                                    absorb(Task&);
 	void                                    fetch(Task&);
@@ -140,7 +147,7 @@ private:
 	void                                    take(Task&);
 	void                                    finish(Task&, Worker&);
 	Worker&                                 worker(int member) { return *workers[std::size_t(member)]; }
-	template <class Which, class Work> void inParallel(std::vector<Task>& tasks, int threads, Which which, Work work);
+	template <class Which, class Work> void inParallel(std::vector<Task>& tasks, Part, int threads, Which which, Work work);
 
 	std::shared_ptr<DeviceMemory>        memory;
 	std::vector<std::unique_ptr<Worker>> workers;
@@ -150,6 +157,7 @@ private:
 	std::size_t                          launched = 0;
 	PackedUpdateOptions                  given; ///< of the update under way
 	Buffer                               calls, answers, tangents, order;
+	std::vector<Part>                    parts; ///< under way
 	DeviceUse                            went;
 	bool                                 toldOfMemory = false;
 };

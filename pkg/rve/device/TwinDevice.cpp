@@ -33,7 +33,10 @@ namespace {
 			for (int block = 0; block < a.count; ++block)
 				twin.run(a, block, memory.data()->bytes);
 		}
-		void wait() override {}
+		void copyInLater(std::uint64_t to, const void* from, std::size_t bytes) override { copyIn(to, from, bytes); }
+		void copyOutLater(void* to, std::uint64_t from, std::size_t bytes) override { copyOut(to, from, bytes); }
+		void useQueue(std::size_t) override {}
+		void waitFor(std::size_t) override {}
 		long memoryOfBlock() const override { return 227 * 1024; }
 	};
 } // namespace
