@@ -112,7 +112,7 @@ def test_a_checkpoint_of_one_goes_on_on_the_other(first, then, sample, onProcess
 
 def test_a_card_that_is_lost_in_mid_run_is_said_and_the_run_goes_on_with_the_same_bits(sample, onProcessor, monkeypatch, capfd):
 	monkeypatch.setenv("TALIK_CUDA_DRIVER", str(stub))
-	monkeypatch.setenv("TALIK_STUB_DRIVER", "fail cuCtxSynchronize 20 719")
+	monkeypatch.setenv("TALIK_STUB_DRIVER", "fail cuStreamSynchronize 20 719")
 	cost = expectSame(run(sample, steps, device="gpu"), onProcessor)
 	said = [line for line in capfd.readouterr().err.splitlines() if line.startswith("RveSkeleton:")]
 	print("\n".join(said))
