@@ -253,7 +253,7 @@ def test_ground_whose_ice_lens_leaves_cells_without_points_says_so_once_and_what
 	mpm = lens(potential)
 	O.engines = [mpm]
 	days = 0
-	while days < 4.5:
+	while days < 3:
 		talik.runUntilDay(mpm, days := days + 0.25)
 	lines = [line for line in capfd.readouterr().err.splitlines() if line.startswith("Talik warns")]
 	height, h = mpm.field("position")[:, 1], mpm.gridSpacing

@@ -59,7 +59,7 @@ def test_segregated_ice_of_the_slopes_is_that_of_a_quasi_steady_front():
 	"""A front with the gradient G behind it draws q = SP G and moves by Z' = (kappa - rho_w L SP) G/(rho_i L n S): excess ice over soil 1.1 q/Z'."""
 	names = {}
 	exec(compile(example.read_text().split("\nparser = ")[0], str(example), "exec"), names)
-	ground = names["Assumptions"](segregation=1e-9)
+	ground = names["Assumptions"](segregation=1e-9, conductivity=4e-8)  # of water: the less, the longer the steps of the calendar
 	rows = names["rowsOf"](ground)
 	ice = 0.95
 	conductivity = (1 - ground.porosity) * 2.0 + ground.porosity * (ice * 2.2 + (1 - ice) * 0.6)

@@ -422,7 +422,7 @@ namespace {
 	const string lenses = "lenses"; // of what is said, for all of them
 
 	/// A lens grows along the gradient of temperature and draws its points apart in that direction. Farther apart than a cell is wide they leave
-	/// cells between them without points, in which heat and stress end. What is to be said of the first such point; nothing if there is none.
+	/// cells between them without points. What is to be said of the first such point; nothing if there is none.
 	string lensThatParts(const talik::AnyGround& ground, std::size_t points, Real gridSpacing)
 	{
 		constexpr Real      farthest = 1.25; // cells: one of five has no point then
@@ -437,7 +437,7 @@ namespace {
 			std::ostringstream text;
 			text << std::setprecision(3) << "Talik warns: on day " << ground.calendar().time / secondsPerDay << " the ice lens in point " << id
 			     << " is " << ice[id] / soil << " times as thick as its soil and makes it " << length << " m long, with cells of " << gridSpacing
-			     << " m: cells beside it lose their points, heat and intake end there, and from then on too little ice forms. Take an "
+			     << " m: cells beside it have no points, and from then on up to a fifth too little ice forms. Take an "
 			        "MpmEngine.gridSpacing larger than the lens grows, or only the days before.";
 			return text.str();
 		}
