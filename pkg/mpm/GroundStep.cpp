@@ -239,7 +239,7 @@ template <int D> void Ground<D>::Parts::addStress(const StepContext<D>& step, co
 /// Between cells and nodes, for the implicit pressure and for loads on its ground.
 template <int D> void Ground<D>::Parts::findLinks(const StepContext<D>& step)
 {
-	implicit->findLinks(step, *cells, *shape);
+	implicit->findLinks(step, *cells, *shape, *water);
 	if (surface) implicit->giveArea(step, *surface);
 }
 

@@ -301,6 +301,14 @@ template <int D> RandomScene<D>::RandomScene(std::uint64_t seed, bool wallsRest,
 	described = d.dice.text();
 }
 
+template <int D> bool RandomScene<D>::solvePressure()
+{
+	auto& s = ground->settings();
+	if (!s.water || !s.motion->bBar) return false;
+	s.water->implicit = true;
+	return true;
+}
+
 template <int D> void RandomScene<D>::start()
 {
 	ground->initialise();

@@ -27,6 +27,8 @@ template <int D> struct RandomScene {
 	/// The same seed draws the same scene on any machine. wallsRest: without the wall that moves, which scenes found earlier did not have. segregates:
 	/// ground with heat, water and freezing draws water as it freezes, where it may.
 	explicit RandomScene(std::uint64_t seed, bool wallsRest = false, bool segregates = false);
+	/// Solves for the pressure of all cells at once, where the scene may. Returns whether it does; to be called before start().
+	bool solvePressure();
 	/// Initialises the ground and puts the body in its place. Throws what Ground::initialise() throws.
 	void start();
 	/// The body as the watch takes it; nothing in a scene without.

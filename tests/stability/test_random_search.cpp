@@ -83,13 +83,17 @@ struct Search {
 	}
 };
 
-template <int D> Search search(const std::string& name, std::uint64_t draws, bool segregates = false)
+/// What scenes have besides, of which only those count that can have it.
+enum class With { nothing, segregation, implicitPressure };
+
+template <int D> Search search(const std::string& name, std::uint64_t draws, With with = With::nothing)
 {
 	const std::uint64_t first = firstSeed();
 	Search              search;
 	for (std::uint64_t seed = first; seed < first + draws; ++seed) {
-		RandomScene<D> scene(seed, false, segregates);
-		if (segregates && !scene.ground->settings().segregation) continue;
+		RandomScene<D> scene(seed, false, with == With::segregation);
+		if (with == With::segregation && !scene.ground->settings().segregation) continue;
+		if (with == With::implicitPressure && !scene.solvePressure()) continue;
 		try {
 			scene.start();
 		} catch (const std::invalid_argument& refusal) {
@@ -153,9 +157,20 @@ TEST(RandomSearch, EveryDrawInSpaceIsStableAndBalancedOrRefusedWithASentence) { 
 // every fifth scene or so has all that it takes
 TEST(RandomSearch, EveryDrawWithIceSegregationIsStableAndBalancedOrRefusedWithASentence)
 {
-	const Search found = search<2>("random search with ice segregation", 2 * drawsAskedFor(), true);
+	const Search found = search<2>("random search with ice segregation", 2 * drawsAskedFor(), With::segregation);
 	std::printf("%d draws drew water\n", found.drew);
 	EXPECT_GE(found.drew, 3);
+}
+
+// every fourth scene or so has water and cell means
+TEST(RandomSearch, EveryDrawWithImplicitPressureIsStableAndBalancedOrRefusedWithASentence)
+{
+	search<2>("random search with implicit pressure", 2 * drawsAskedFor(), With::implicitPressure);
+}
+
+TEST(RandomSearch, EveryDrawInSpaceWithImplicitPressureIsStableAndBalancedOrRefusedWithASentence)
+{
+	search<3>("random search with implicit pressure in space", (drawsAskedFor() + 1) / 2, With::implicitPressure);
 }
 
 /// Found by the search (space, seed 701793): in ground frozen to a fortieth of its water, without change of density, the liquid weighed

@@ -48,9 +48,11 @@ template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid)
 		step_[a]    = 1 << (2 * k);
 	}
 	for (int k = 0; k < corners; ++k) {
-		nodeOffset_[k] = 0;
-		for (int a = 0; a < D; ++a)
+		nodeOffset_[k] = inward_[k] = 0;
+		for (int a = 0; a < D; ++a) {
 			nodeOffset_[k] += k / step_[a] % 4 * strides_[a];
+			inward_[k] += std::clamp(k / step_[a] % 4, 1, 2) * step_[a];
+		}
 	}
 	for (int k = 0; k < corners / 4; ++k)
 		rowOffset_[k] = nodeOffset_[4 * k];
@@ -130,7 +132,8 @@ template <int D> void ImplicitPressure<D>::map(const WeightBlock<D>& w, const Ce
 	}
 }
 
-template <int D> void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<D>& cells, const ShapeFunction<D>& shape)
+template <int D>
+void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<D>& cells, const ShapeFunction<D>& shape, const PoreWater<D>& water)
 {
 	constexpr int  perCell = 1 << D, atOnce = blockSize / perCell;
 	const Grid<D>& grid = step.grid;
@@ -144,16 +147,21 @@ template <int D> void ImplicitPressure<D>::findLinks(const StepContext<D>& step,
 		WeightBlock<D>          w;
 		const auto              link = [&] {
                         shape.evaluate(grid, x, 0, count * perCell, w);
-                        for (int k = 0; k < count * perCell; ++k) {
-                                const int     c    = of[k / perCell];
-                                const double  part = cells_[c].volume / perCell;
-                                double* const to   = this->link(c) + cornerOf(c, w.base[k]) * D;
-                                int           node = 0;
-                                overNodes<D>(w, k, [&](int, double, const Vec<D>& g) {
-                                        for (int a = 0; a < D; ++a)
-                                                to[within_[node] * D + a] += part * g[a];
-                                        ++node;
-                                });
+                        for (int k = 0; k < count; ++k) {
+                                const int    c                = of[k];
+                                const double part             = cells_[c].volume / perCell;
+                                double       volumes[corners] = {};
+                                for (int at = k * perCell; at < (k + 1) * perCell; ++at) {
+                                        const int corner = cornerOf(c, w.base[at]);
+                                        int       node   = 0;
+                                        overNodes<D>(w, at, [&](int, double s, const Vec<D>& g) {
+                                                const int k = corner + within_[node++];
+                                                volumes[k] += part * s;
+                                                for (int a = 0; a < D; ++a)
+                                                        this->link(c)[k * D + a] += part * g[a];
+                                        });
+                                }
+                                foldLinks(c, volumes, water);
                         }
                         count = 0;
 		};
@@ -173,6 +181,22 @@ template <int D> void ImplicitPressure<D>::findLinks(const StepContext<D>& step,
 		}
 		if (count > 0) link();
 	});
+}
+
+/// The few points of a cell may reach fewer nodes than its volume does. What a node lacks of the volume that the cell has there [m^D] moves with the
+/// nearest node of the cell itself, to which all of its points give mass. So forces add up to nothing, none is lost, and none accelerates a trace.
+template <int D> void ImplicitPressure<D>::foldLinks(int c, const double* volumes, const PoreWater<D>& water)
+{
+	double* const b = link(c);
+	for (int k = 0; k < corners; ++k) {
+		const double there = water.nodes[baseNodes_[c] + nodeOffset_[k]][PoreWater<D>::volumeAt];
+		if (k == inward_[k] || there >= volumes[k]) continue;
+		const double lacks = 1.0 - there / volumes[k];
+		for (int a = 0; a < D; ++a) {
+			b[inward_[k] * D + a] += lacks * b[k * D + a];
+			b[k * D + a] -= lacks * b[k * D + a];
+		}
+	}
 }
 
 template <int D> void ImplicitPressure<D>::giveArea(const StepContext<D>& step, FreeSurface<D>& surface) const

@@ -44,7 +44,7 @@ public:
 	void map(const WeightBlock<D>& w, const CellMeans<D>& cells, const PoreContent<D>& content);
 	/// The divergence of each cell by its nodes: not that of its points, whose sums are as far from the integral as they do not lie evenly, but of 2^D
 	/// points of equal volume that lie evenly about the middle of its ground. Forces of one pressure then add up to nothing within the ground.
-	void findLinks(const StepContext<D>& step, const CellMeans<D>& cells, const ShapeFunction<D>& shape);
+	void findLinks(const StepContext<D>& step, const CellMeans<D>& cells, const ShapeFunction<D>& shape, const PoreWater<D>& water);
 	/// Area of the surface as the pressure sees it, in place of that of the points.
 	void giveArea(const StepContext<D>& step, FreeSurface<D>& surface) const;
 
@@ -98,6 +98,7 @@ private:
 	{
 		return placeOf(grid, cell, axis) + 1 < grid.cells(axis) && cell + grid.cellStride(axis) < range.lastCell;
 	}
+	void foldLinks(int cell, const double* volumes, const PoreWater<D>& water);
 	/// Place of a node among the corners of a cell.
 	int           cornerOf(int cell, int node) const;
 	static double wayFrom(const Cell& cell, const Cell& neighbour);
@@ -149,6 +150,7 @@ private:
 	std::array<PagedArray<Face>, D>  faces_;
 	std::array<int, corners>         nodeOffset_ {};
 	std::array<int, supportCount<D>> within_ {};            ///< place of a node of a point's support among the corners
+	std::array<int, corners>         inward_ {};            ///< of each corner, the nearest one on the cell itself
 	std::array<int, D>               byStride_ {};          ///< axes, the slowest first
 	std::array<int, D>               strides_ {}, step_ {}; ///< from a node to the next one along an axis, on the grid and among the corners
 	std::array<int, corners / 4>     rowOffset_ {};
