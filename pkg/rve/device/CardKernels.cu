@@ -12,8 +12,11 @@ namespace N_ONE {
 } // namespace N_ONE
 } // namespace talik
 
+/// Blocks of a multiprocessor that the compiler counts on: large ones leave room for one, and take all registers that there are for it. 0: as it likes.
+static constexpr int fewestBlocks(int threads) { return threads >= 448 ? 1 : 0; }
+
 #define TALIK_KERNEL(name, dimension, threads, ...)                                                                                                       \
-	extern "C" __attribute__((global)) void __attribute__((launch_bounds(threads))) name(const talik::KernelArguments arguments)                      \
+	extern "C" __attribute__((global)) void __attribute__((launch_bounds(threads, fewestBlocks(threads)))) name(const talik::KernelArguments arguments)                      \
 	{                                                                                                                                                 \
 		talik::N_ONE::runBlock<talik::N_ONE::KernelOf<dimension, threads, __VA_ARGS__>::Type>(arguments);                                         \
 	}
