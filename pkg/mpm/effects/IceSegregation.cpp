@@ -193,8 +193,9 @@ template <int D> double IceSegregation<D>::fullIce(int cell, double depth) const
 	return 1.0 - curves_[material]->liquidSaturation(freezingTemperature_[material] + depth);
 }
 
-template <int D> typename IceSegregation<D>::Outside IceSegregation<D>::outside(const Grid<D>& grid, int cell, int axis, int side) const
+template <int D> typename IceSegregation<D>::Outside IceSegregation<D>::outside(const Grid<D>& grid, int from, int cell, int axis, int side) const
 {
+	if ((cell - from) / (side * grid.cellStride(axis)) > farthestSurface) return { NAN, 0.0 };
 	int corner = 0;
 	for (int a = 0; a < D; ++a)
 		corner += (cell / grid.cellStride(a) % grid.cells(a) + (a == axis && side > 0)) * grid.nodeStride(a);
@@ -219,7 +220,7 @@ template <int D> typename IceSegregation<D>::Outside IceSegregation<D>::outside(
 /// that quarter of a cell through which heat leaves, and no more than the heat that does.
 template <int D> typename IceSegregation<D>::Line IceSegregation<D>::first(const Grid<D>& grid, int unfrozen, int first, int axis, int side) const
 {
-	const auto [cold, heat] = outside(grid, first, axis, side);
+	const auto [cold, heat] = outside(grid, unfrozen, first, axis, side);
 	const double h          = grid.spacing();
 	if (!(cold < 0.0 && heat > 0.0)) return { 0.0, 0.0, 0.0, first };
 	const double part  = icePart(unfrozen, first, cold, grid.cellVolume());
@@ -243,7 +244,8 @@ typename IceSegregation<D>::Line IceSegregation<D>::behind(const Grid<D>& grid, 
 	constexpr int most = 3, mostWithin = 2; // cells of the line; those that ice forms in, behind the first
 	const int     from   = unfrozen;
 	int           second = behindOf(grid, range, first, from, axis, side);
-	if (second < 0 && (unfrozen == first || !std::isnan(outside(grid, first, axis, side).depth))) return this->first(grid, unfrozen, first, axis, side);
+	if (second < 0 && (unfrozen == first || !std::isnan(outside(grid, unfrozen, first, axis, side).depth)))
+		return this->first(grid, unfrozen, first, axis, side);
 	const bool   falls = second >= 0 && cells_[second].depth < cells_[first].depth;
 	const double h     = grid.spacing(),
 	             part  = falls ? frozenPart(unfrozen, first, second, grid.cellVolume())
@@ -325,15 +327,12 @@ template <int D> int IceSegregation<D>::cellOfLens(const Grid<D>& grid, const Ac
 
 /// Near a surface, where cells are filled in part, the heat that leaves there tells the gradient; of surfaces ranks know less far than of cells.
 template <int D>
-void IceSegregation<D>::seeFrom(
-        const Grid<D>& grid, const ActiveRange& range, int from, int first, int lens, int axis, int side, SegregationPotential::Front& front) const
+void IceSegregation<D>::seeFrom(const Grid<D>& grid, const ActiveRange& range, int from, int lens, int axis, int side, SegregationPotential::Front& front) const
 {
-	constexpr int farthestSurface = 2; // cells behind the first frozen one
 	const int     next = behindOf(grid, range, lens, from, axis, side), second = next < 0 ? -1 : behindOf(grid, range, next, from, axis, side);
 	const int     last      = second >= 0 ? second : next >= 0 ? next : lens;
-	const int     distance  = (last - first) / (side * grid.cellStride(axis));
-	const bool    atSurface = distance <= farthestSurface && behindOf(grid, range, last, from, axis, side) < 0;
-	const Outside beyond    = atSurface ? outside(grid, last, axis, side) : Outside { NAN, 0.0 };
+	const bool    atSurface = behindOf(grid, range, last, from, axis, side) < 0;
+	const Outside beyond    = atSurface ? outside(grid, from, last, axis, side) : Outside { NAN, 0.0 };
 	const bool    known     = !std::isnan(beyond.depth);
 	if (!known && second < 0) return;
 	front.gradient = known ? beyond.heat / cells_[last].conductivity
@@ -377,7 +376,7 @@ typename IceSegregation<D>::Flux IceSegregation<D>::drawn(
 	for (int k = 0; k < 2 && first != from && intake.lens < 0.0; ++k) {
 		lens = cellOfLens(grid, range, from, first, intake.lens, axis, side);
 		if (lens == first) break;
-		seeFrom(grid, range, from, first, lens, axis, side, f);
+		seeFrom(grid, range, from, lens, axis, side, f);
 		const auto seen = soil.intake(f);
 		intake          = { seen.water, seen.lens < 0.0 ? seen.lens : intake.lens };
 	}

@@ -113,7 +113,7 @@ private:
 	struct Outside {
 		double depth, heat; ///< temperature less T_f [K], NaN: none is known; heat that leaves there [W/m^2]
 	};
-	Outside outside(const Grid<D>& grid, int cell, int axis, int side) const;
+	Outside outside(const Grid<D>& grid, int from, int cell, int axis, int side) const;
 	Line    first(const Grid<D>& grid, int unfrozen, int first, int axis, int side) const;
 	/// The cell that gives a front half of its water, the one before the last unfrozen cell; or -1: that cell gives all.
 	int  secondSource(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const;
@@ -124,8 +124,7 @@ private:
 	/// The cell with the lens of a front, whose temperature less T_f is lens [K]: the first frozen one or one behind it.
 	int cellOfLens(const Grid<D>& grid, const ActiveRange& range, int from, int first, double lens, int axis, int side) const;
 	/// The front seen from a lens that lies in a cell behind the first frozen one. Unchanged where nothing is known of the ground behind it.
-	void seeFrom(
-	        const Grid<D>& grid, const ActiveRange& range, int from, int first, int lens, int axis, int side, SegregationPotential::Front& front) const;
+	void seeFrom(const Grid<D>& grid, const ActiveRange& range, int from, int lens, int axis, int side, SegregationPotential::Front& front) const;
 	/// That comes through the unfrozen ground to the front [W/m^2].
 	double heatBefore(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
 	/// Water that a cell and its second source give in the step to the one with the lens: 0 unless a front lies beside it.
@@ -140,6 +139,8 @@ private:
 	/// Cells with ground behind the first frozen one in which a lens may lie; what lies farther from the last unfrozen cell than so many is not looked at:
 	/// ranks know as many rows, and one for its second source.
 	static constexpr int farthestLens = 3, farthestBehind = 6;
+	/// Cells behind the last unfrozen one whose surface is looked at: of nodes ranks know fewer rows.
+	static constexpr int farthestSurface = 2;
 	/// With a measured potential ground of a smaller ice saturation gives its water away as if it were not frozen: where ice forms over a range of
 	/// temperatures, all of it may have cooled to a little below T_f. The closed form counts from T_f.
 	static constexpr double littleIce = 0.05;
