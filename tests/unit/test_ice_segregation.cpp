@@ -2,6 +2,7 @@
 // Ground that draws water as it freezes: the same bits with any number of threads and through a checkpoint, and those of ground without the effect
 // where nothing freezes.
 #include "groundState.hpp"
+#include "threadRanks.hpp"
 
 #include <pkg/mpm/boundary/Boundaries.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
@@ -136,4 +137,78 @@ TEST(IceSegregationBits, AreThoseOfGroundWithoutItWhereNothingFreezes)
 {
 	expectNothingWhereNothingFreezes<2>();
 	expectNothingWhereNothingFreezes<3>();
+}
+
+namespace {
+
+/// A column that freezes from its top, and draws by its own hydraulic conductivity; its front begins beside the surface and beside a slab's end.
+std::unique_ptr<Ground<2>> column(const std::shared_ptr<Communicator>& ranks)
+{
+	const double      h = 0.025;
+	GroundSettings<2> s;
+	s.gridSpacing = h;
+	s.upper       = { h, 0.6 };
+	s.motion.emplace();
+	s.motion->gravity      = { 0.0, -9.81 };
+	s.motion->localDamping = 0.3;
+	s.heat.emplace();
+	s.heat->thermalTimeScale = 2e6;
+	s.freezing               = makeFreezingCurve();
+	s.water.emplace();
+	s.water->permeability.referenceConductivity = 1e-9;
+	s.water->state.liquidBulkModulus            = 1e8;
+	s.water->state.iceBulkModulus               = 4e8;
+	s.water->state.cavitationPressure           = -1e6;
+	s.segregation.emplace();
+	auto law    = std::make_shared<ElasticSkeleton<2>>();
+	law->young  = 1e8;
+	s.skeletons = { law };
+	for (const char* side : { "left", "right", "bottom" })
+		s.boundaries.push_back(std::make_shared<RollerBoundary<2>>(Region<2>::side(side)));
+	s.boundaries.push_back(std::make_shared<SurfaceTemperature<2>>(Region<2>::freeSurface(), TimeTable(-3.0)));
+	s.boundaries.push_back(std::make_shared<Traction<2>>(Region<2>::freeSurface(), TimeTable(50e3)));
+	s.boundaries.push_back(std::make_shared<WallTemperature<2>>(Region<2>::side("bottom"), TimeTable(1.0)));
+	s.boundaries.push_back(std::make_shared<DrainedBoundary<2>>(Region<2>::side("bottom"), TimeTable(0.0), true));
+	auto          made = std::make_unique<Ground<2>>(s);
+	PointInput<2> p;
+	p.volume      = 0.25 * h * h;
+	p.temperature = 1.0;
+	for (int j = 0; j < 24; ++j)
+		for (int i = 0; i < 2; ++i) {
+			p.position  = { (0.5 * i + 0.25) * h, (0.5 * j + 0.25) * h };
+			p.pressure  = -9810.0 * p.position[1];
+			p.stress[1] = p.pressure - 50e3 - 9.81 * 1990.0 * (0.3 - p.position[1]);
+			made->addPoint(p);
+		}
+	if (ranks) made->distribute(ranks);
+	made->initialise();
+	return made;
+}
+
+void freeze(Ground<2>& ground, double dt)
+{
+	for (int k = 0; k < 2500; ++k)
+		ground.step(dt);
+}
+
+} // namespace
+
+TEST(IceSegregationBits, OfAColumnThatFreezesFromItsSurfaceAreTheSameOnTwoRanks)
+{
+	const auto   one = column(nullptr);
+	const double dt  = 0.8 * one->stableTimeStep().step;
+	freeze(*one, dt);
+	const auto wanted = copyOf(one->state());
+	EXPECT_GT(one->balance().waterDrawn, 0.0);
+	long differing[2] = { -1, -1 };
+	asRanks(2, [&](const std::shared_ptr<Communicator>& ranks) {
+		const auto ground = column(ranks);
+		freeze(*ground, dt);
+		differing[ranks->rank()] = differingBytes(wanted, ground->state());
+	});
+	std::printf(
+	        "%.3g kg of water drawn in %.2f days; %ld and %ld bytes differ on two ranks\n", one->balance().waterDrawn, one->calendar().time / 86400.0,
+	        differing[0], differing[1]);
+	EXPECT_EQ(differing[0], 0);
+	EXPECT_EQ(differing[1], 0);
 }
