@@ -610,7 +610,8 @@ template <int D> void MomentumSolver<D>::foldForces(const ActiveRange& range, No
 	for (const Mirror& m : mirrors_) {
 		if (!range.holds(m.inner)) continue;
 		if (beforeMoving && m.moving >= 0) beforeMoving(m);
-		for (int a = 0; a < D; ++a) {
+		// no force reaches a ghost outside of the range, and nothing clears it
+		for (int a = 0; a < D && range.holds(m.ghost); ++a) {
 			force[m.inner][a] += m.sign[a] * force[m.ghost][a];
 			force[m.ghost][a] = 0.0;
 		}
@@ -623,7 +624,7 @@ template <int D> void MomentumSolver<D>::foldForces(const ActiveRange& range, No
 template <int D> void MomentumSolver<D>::clearGhosts(const ActiveRange& range, NodeField<D>& values) const
 {
 	for (const auto& m : mirrors_)
-		for (int a = 0; a < D && range.holds(m.inner); ++a)
+		for (int a = 0; a < D && range.holds(m.ghost); ++a)
 			values[m.ghost][a] = 0.0;
 }
 
@@ -647,8 +648,7 @@ template <int D> void MomentumSolver<D>::unfoldMirrors(const ActiveRange& range,
 {
 	for (int k = int(mirrors_.size()) - 1; k >= 0; --k) {
 		const auto& m = mirrors_[k];
-		if (!range.holds(m.inner)) continue;
-		for (int a = 0; a < D; ++a)
+		for (int a = 0; a < D && range.holds(m.inner) && range.holds(m.ghost); ++a)
 			change[m.ghost][a] = m.sign[a] * change[m.inner][a];
 	}
 }
