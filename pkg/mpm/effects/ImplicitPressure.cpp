@@ -15,7 +15,7 @@ namespace {
 	/// Of what the inertia of the ground lets a cell give way in a step, the share that alternating pressures store.
 	constexpr double checkerboardPart = 0.25;
 	/// The way of water through a cell is as long at least as in one that is filled so far [-].
-	constexpr double leastFill = 0.1;
+	constexpr double leastFill = 0.01;
 } // namespace
 
 template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid)
