@@ -69,7 +69,7 @@ template <int D> void Ground<D>::Parts::locateInCells()
 		        if (!average) return;
 		        if (frontHasOwnMeans()) front->exceptFromMeans(*cells, first, last);
 		        if (water) water->addPressure(*cells, first, last);
-		        if (implicit) implicit->addContent(*points, *cells, *content, *water, *motion, heat ? heat->temperature : nullptr, first, last);
+		        if (implicit) implicit->addContent(*points, *cells, *content, *water, heat ? heat->temperature : nullptr, first, last);
 		        bBar.addToCells(*cells, *points, *motion, water.get(), content.get(), first, last);
 	        },
 	        [&](HaloExchange& rows) {

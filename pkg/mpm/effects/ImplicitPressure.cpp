@@ -78,10 +78,9 @@ template <int D> void ImplicitPressure<D>::clear(const ActiveRange& range)
 
 template <int D>
 void ImplicitPressure<D>::addContent(
-        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water, const SolidMotion<D>& motion,
-        const double* temperature, int first, int last)
+        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water, const double* temperature,
+        int first, int last)
 {
-	(void)motion;
 	const double* volume = points.volume();
 	content.overFills(first, last, temperature, [&](int p, double excess, double compliance) {
 		Cell&        c    = cells_[cells.cell(p)];
@@ -233,17 +232,24 @@ template <int D> void ImplicitPressure<D>::findCarried(const ActiveRange& range,
 	});
 }
 
+/// work(node, corner) for the nodes at the corners of a cell; bit a of a corner is set on the upper side along axis a.
+template <int D> template <class Work> void ImplicitPressure<D>::overCorners(const Grid<D>& grid, int cell, Work&& work) const
+{
+	for (int k = 0; k < 1 << D; ++k) {
+		int node = baseNodes_[cell];
+		for (int a = 0; a < D; ++a)
+			node += (1 + (k >> a & 1)) * grid.nodeStride(a);
+		work(node, k);
+	}
+}
+
 /// Of the face between a cell and the next one along an axis.
 template <int D> double ImplicitPressure<D>::carriedAt(const Grid<D>& grid, int cell, int axis) const
 {
 	double sum = 0.0;
-	for (int k = 0; k < 1 << D; ++k) {
-		if (!(k >> axis & 1)) continue;
-		int node = baseNodes_[cell];
-		for (int a = 0; a < D; ++a)
-			node += (1 + (k >> a & 1)) * grid.nodeStride(a);
-		sum += carried_[node];
-	}
+	overCorners(grid, cell, [&](int node, int corner) {
+		if (corner >> axis & 1) sum += carried_[node];
+	});
 	return sum / (1 << (D - 1));
 }
 
@@ -418,12 +424,7 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 template <int D> double ImplicitPressure<D>::openAt(const Grid<D>& grid, int c, const Vec<D>& outward) const
 {
 	double open = 0.0;
-	for (int k = 0; k < 1 << D; ++k) {
-		int node = baseNodes_[c];
-		for (int a = 0; a < D; ++a)
-			node += (1 + (k >> a & 1)) * grid.nodeStride(a);
-		open += std::max(0.0, dot<D>(open_[node], outward)) / (1 << (D - 1));
-	}
+	overCorners(grid, c, [&](int node, int) { open += std::max(0.0, dot<D>(open_[node], outward)) / (1 << (D - 1)); });
 	return std::min(1.0, open);
 }
 
@@ -634,13 +635,9 @@ template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& s
 template <int D> double ImplicitPressure<D>::movedAcross(const Grid<D>& grid, int c, int axis) const
 {
 	double gives = 0.0;
-	for (int k = 0; k < 1 << D; ++k) {
-		if (!(k >> axis & 1)) continue;
-		int node = baseNodes_[c];
-		for (int a = 0; a < D; ++a)
-			node += (1 + (k >> a & 1)) * grid.nodeStride(a);
-		gives += solid_[node][axis];
-	}
+	overCorners(grid, c, [&](int node, int corner) {
+		if (corner >> axis & 1) gives += solid_[node][axis];
+	});
 	return faceArea_ * faceArea_ * cells_[c].fill * cells_[c + grid.cellStride(axis)].fill * gives / (1 << (D - 1));
 }
 

@@ -38,8 +38,8 @@ public:
 	void shareLiquids(HaloExchange& rows) { rows.cells(reinterpret_cast<std::array<double, corners>*>(liquids_.data())); }
 	/// What points bring to their cells; call within MaterialPoints::strips().scatter. temperature may be null.
 	void addContent(
-	        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water,
-	        const SolidMotion<D>& motion, const double* temperature, int first, int last);
+	        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water, const double* temperature,
+	        int first, int last);
 	/// The liquid that the nodes share.
 	void map(const WeightBlock<D>& w, const CellMeans<D>& cells, const PoreContent<D>& content);
 	/// The divergence of each cell by its nodes: not that of its points, whose sums are as far from the integral as they do not lie evenly, but of 2^D
@@ -118,7 +118,8 @@ private:
 	Surface surfaceIn(const Grid<D>& grid, const ActiveRange& range, int cell) const;
 	double  openAt(const Grid<D>& grid, int cell, const Vec<D>& outward) const;
 	void    drainThrough(Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges, const PoreWater<D>& water) const;
-	double  carriedAt(const Grid<D>& grid, int cell, int axis) const;
+	template <class Work> void overCorners(const Grid<D>& grid, int cell, Work&& work) const;
+	double                     carriedAt(const Grid<D>& grid, int cell, int axis) const;
 	/// Force of pressures on the nodes.
 	void forces(const ActiveRange& range, const double* x, NodeField<D>& force) const;
 	/// sum B v of a cell.

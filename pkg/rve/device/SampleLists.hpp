@@ -3,6 +3,7 @@
 // Where pairs are written during the steps there is room for all of it.
 #pragma once
 #include <pkg/rve/device/SampleMemory.hpp>
+#include <pkg/rve/packed/CellInverse.hpp>
 #include <pkg/rve/packed/ListSkins.hpp>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
 
@@ -39,30 +40,6 @@ namespace N_ONE {
 		/// Numbers in the order of the cells.
 		HWY_INLINE static std::uint32_t ordered(std::uint32_t cells) { return cells ^ 0x80808080u; }
 	};
-
-	/// Inverse of a cell, as NeighbourSearch has it.
-	HWY_INLINE void invert(const double* h, double (&inverse)[4])
-	{
-		const double det = h[0] * h[3] - h[1] * h[2];
-		inverse[0]       = h[3] / det;
-		inverse[1]       = -h[1] / det;
-		inverse[2]       = -h[2] / det;
-		inverse[3]       = h[0] / det;
-	}
-	HWY_INLINE void invert(const double* h, double (&inverse)[9])
-	{
-		double det = 0;
-		for (int k = 0; k < 3; ++k) {
-			const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-			det += h[k] * (h[3 + k1] * h[6 + k2] - h[3 + k2] * h[6 + k1]);
-			for (int l = 0; l < 3; ++l) {
-				const int l1 = (l + 1) % 3, l2 = (l + 2) % 3;
-				inverse[l * 3 + k] = h[k1 * 3 + l1] * h[k2 * 3 + l2] - h[k1 * 3 + l2] * h[k2 * 3 + l1];
-			}
-		}
-		for (double& value : inverse)
-			value /= det;
-	}
 
 	/// Place of a key among those from `begin` to before `end`, in their order, or -1.
 	HWY_INLINE int placeOf(const std::uint64_t* keys, int begin, int end, std::uint64_t key)

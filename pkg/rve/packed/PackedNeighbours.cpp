@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <pkg/rve/packed/CellInverse.hpp>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
 #include <stdexcept>
 #include <string>
@@ -8,28 +9,6 @@
 namespace talik {
 
 namespace {
-
-	std::array<double, 4> invert(const double* h, std::integral_constant<int, 2>)
-	{
-		const double det = h[0] * h[3] - h[1] * h[2];
-		return { h[3] / det, -h[1] / det, -h[2] / det, h[0] / det };
-	}
-	std::array<double, 9> invert(const double* h, std::integral_constant<int, 3>)
-	{
-		std::array<double, 9> inverse;
-		double                det = 0;
-		for (int k = 0; k < 3; ++k) {
-			const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-			det += h[k] * (h[3 + k1] * h[6 + k2] - h[3 + k2] * h[6 + k1]);
-			for (int l = 0; l < 3; ++l) {
-				const int l1 = (l + 1) % 3, l2 = (l + 2) % 3;
-				inverse[l * 3 + k] = h[k1 * 3 + l1] * h[k2 * 3 + l2] - h[k1 * 3 + l2] * h[k2 * 3 + l1];
-			}
-		}
-		for (double& value : inverse)
-			value /= det;
-		return inverse;
-	}
 
 	std::int8_t cellDistance(int c)
 	{
@@ -78,7 +57,7 @@ void sortPairKeys(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& 
 
 template <int Dim> void NeighbourSearch<Dim>::wrap(const double* positions, std::size_t stride, const double* radii, std::size_t grains, const double* hSize)
 {
-	inverse = invert(hSize, std::integral_constant<int, Dim>());
+	invert(hSize, inverse);
 	wrapped.resize(grains);
 	reduced.resize(grains);
 	for (std::size_t g = 0; g < grains; ++g) {

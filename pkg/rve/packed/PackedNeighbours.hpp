@@ -93,7 +93,7 @@ private:
 	void testPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells, const std::array<double, Dim>& shift);
 	void keepPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells);
 
-	std::array<double, Dim * Dim>        inverse {};
+	double                               inverse[Dim * Dim] = {};
 	std::vector<Wrapped>                 wrapped, binned, facing, faced;
 	std::vector<std::array<double, Dim>> reduced;
 	std::vector<std::uint32_t>           binStart, binOf;
