@@ -112,11 +112,6 @@ namespace {
 			if (m.segregation && !s.segregation)
 				throw std::invalid_argument(name + "segregation is set, but the scene has none; add segregation or leave it out");
 			if (m.segregation) m.segregation->validate(name + "segregation.");
-			if (s.segregation && m.compression.given())
-				throw std::invalid_argument(
-				        name
-				        + "compressibility or compressionIndex is set in a scene with segregation, whose excess ice would count as strain of "
-				          "the soil; leave one of them out");
 		}
 	}
 } // namespace

@@ -18,17 +18,13 @@ public:
 	double height = 0.3, permeability = 1e-9, impedance = 6.0, load = 50e3, cold = -3.0, base = 1.0; ///< [m, m/s, -, Pa, degC, degC]
 	double porosity = 0.4, conductivity = 1.5, width = 0.5, residual = 0.05;                         ///< [-, W/(m K), K, -]
 	double capacity = 0.6 * 2650.0 * 800.0 + 0.4 * 1000.0 * 2940.0, capacityOfIce = 2.94e6;          ///< [J/(m^3 K)]
-	int    cells = 60;
+	int    cells      = 60;
+	bool   weightless = false; ///< gravity makes no pressure
 
 	/// Thickness of the excess ice after a time [m].
 	double excessIceAfter(double time)
 	{
-		first = height / cells;
-		temperature.assign(cells, base);
-		for (auto* field : { &excess, &pressure, &onTop, &gain, &below, &conductance, &drive, &diagonal, &right })
-			field->assign(cells, 0.0);
-		flux.assign(cells + 1, 0.0);
-		parted.assign(cells, 0);
+		start();
 		const double dt = 0.2 * first * first * capacity / conductivity;
 		for (double t = 0.0; t < time; t += dt) {
 			weigh();
@@ -41,17 +37,38 @@ public:
 		return sum;
 	}
 
+	/// What the force of Clapeyron draws from the base through soil with one gradient of temperature [m/s].
+	double intake()
+	{
+		start();
+		for (int i = 0; i < cells; ++i)
+			temperature[i] = base + (cold - base) * (i + 0.5) / cells;
+		weigh();
+		flow();
+		return flux[0];
+	}
+
 private:
 	static constexpr double latent = 334e3, weight = 9810.0, suction = 1000.0 * latent / 273.15;
 
 	double liquid(double t) const { return t < 0.0 ? residual + (1.0 - residual) * std::exp(-t * t / (width * width)) : 1.0; }
 	double slope(double t) const { return t < 0.0 ? -2.0 * t / (width * width) * (liquid(t) - residual) : 0.0; }
 
+	void start()
+	{
+		first = height / cells;
+		temperature.assign(cells, base);
+		for (auto* field : { &excess, &pressure, &onTop, &gain, &below, &conductance, &drive, &diagonal, &right })
+			field->assign(cells, 0.0);
+		flux.assign(cells + 1, 0.0);
+		parted.assign(cells, 0);
+	}
+
 	void weigh()
 	{
 		double above = load;
 		for (int i = cells - 1; i >= 0; --i) {
-			const double w = 9.81 * (first * ((1.0 - porosity) * 2650.0 + porosity * 1000.0) + excess[i] * 1000.0);
+			const double w = (weightless ? 0.0 : 9.81) * (first * ((1.0 - porosity) * 2650.0 + porosity * 1000.0) + excess[i] * 1000.0);
 			onTop[i]       = above + 0.5 * w;
 			above += w;
 		}
@@ -63,7 +80,7 @@ private:
 		for (int i = 0; i + 1 < cells; ++i) {
 			const double gap = first + excess[i], t = 0.5 * (temperature[i] + temperature[i + 1]);
 			conductance[i] = permeability * std::pow(10.0, -impedance * (1.0 - liquid(t))) / (weight * gap);
-			drive[i]       = weight * gap + suction * (std::min(temperature[i + 1], 0.0) - std::min(temperature[i], 0.0));
+			drive[i]       = (weightless ? 0.0 : weight * gap) + suction * (std::min(temperature[i + 1], 0.0) - std::min(temperature[i], 0.0));
 		}
 		bool settled = false;
 		for (int k = 0; k < 300 && !settled; ++k) {
@@ -80,7 +97,7 @@ private:
 
 	void solve()
 	{
-		const double atBase = permeability / (weight * 0.5 * first), lift = weight * 0.5 * first;
+		const double atBase = permeability / (weight * 0.5 * first), lift = weightless ? 0.0 : weight * 0.5 * first;
 		for (int i = 0; i < cells; ++i) {
 			const double down = i ? conductance[i - 1] : 0.0, up = i + 1 < cells ? conductance[i] : 0.0;
 			below[i]    = parted[i] ? 0.0 : -down;

@@ -115,7 +115,7 @@ template <int D> double intakeOf(const Fringe& f, double h, const Vec<D>& cells,
 TEST(IceSegregation, IntakeOfAFringeMeetsItsClosedFormOnCoarseAndFineCells)
 {
 	citing("Clapeyron, Darcy and heat, quadrature");
-	for (const double h : { 0.2, 0.05 })
+	for (const double h : { 0.2, 0.05, 0.0125 })
 		for (const auto& [k, impedance, load, gradient] : { std::array<double, 4> { 1e-9, 6.0, 50e3, 20.0 },
 		                                                    { 1e-9, 6.0, 200e3, 20.0 },
 		                                                    { 1e-8, 6.0, 50e3, 20.0 },
@@ -146,10 +146,36 @@ TEST(IceSegregation, IntakeOfAFringeMeetsItsClosedFormOnCoarseAndFineCells)
 			char label[160];
 			std::snprintf(
 			        label, sizeof label,
-			        "intake of a frozen fringe, h = %.2f m: k %.0e m/s, Omega %.0f, load %.0f kPa, %.0f K/m, worst of 5 places [m/s]", h, k,
+			        "intake of a frozen fringe, h = %.4g m: k %.0e m/s, Omega %.0f, load %.0f kPa, %.0f K/m, worst of 5 places [m/s]", h, k,
 			        impedance, 1e-3 * load, gradient);
 			expectRelative(label, at, exact, 0.03);
 		}
+}
+
+// The flux of a front is Clapeyron's force on the water of the fringe, integrated over it: finite volumes that have this force in each of their cells
+// come to the same intake as they grow smaller, and cells of the ground that are smaller than the fringe have no other.
+TEST(IceSegregation, IntakeOfAFringeIsTheForceOfClapeyronResolvedByFineCells)
+{
+	citing("force of Clapeyron in each cell of 0.06 mm");
+	ResolvedFringe resolved;
+	resolved.weightless = true;
+	resolved.height     = 0.12;
+	resolved.base       = 1.2;
+	resolved.cold       = -1.2; // 20 K/m, the front halfway
+	const auto with     = [&](int cells) {
+                resolved.cells = cells;
+                return resolved.intake();
+	};
+	const double exact = with(1920);
+	for (const int cells : { 480, 120 }) {
+		char label[96];
+		std::snprintf(label, sizeof label, "fringe resolved by finite volumes of %.2f mm: intake [m/s]", 1e3 * resolved.height / cells);
+		expectRelative(label, with(cells), exact, 2.0 * resolved.height / cells / 0.01);
+	}
+	Fringe f; // of the same soil, whose ice is as dense as water there
+	f.load *= iceDensity / waterDensity;
+	f.below = 0.5 * resolved.height;
+	expectRelative("fringe resolved by finite volumes: closed form of the flux [m/s]", f.through(f.gradient = f.unfrozen = 20.0), exact, 0.01);
 }
 
 // What crosses the steps of a front between cells adds up to what crosses the front.
@@ -457,52 +483,79 @@ TEST(IceSegregation, SuctionOfClosedGroundStaysAtNoFlowWhereIceIsAsDenseAsWater)
 	expectRelative("ice as dense as water in closed ground: suction after twice the time", suction(), atNoFlow, 1e-3);
 }
 
-// A column under its own weight that freezes from below, thaws and freezes again, with water at its surface.
-TEST(IceSegregation, ColumnThatFreezesAndThawsHeavesAndSettlesAgain_slow)
-{
-	citing("first cycle; volume of ice");
-	const double h = 0.05, height = 0.5, scale = 2e6, load = 5e3;
-	auto         s                              = freezingGround<2>(h, { h, height + 4.0 * h });
-	s.motion->gravity                           = { 0.0, -9.81 };
-	s.heat->thermalTimeScale                    = scale;
-	s.water->permeability.referenceConductivity = 1e-7;
-	s.segregation->segregationPotential         = 1e-9;
-	auto soil                                   = std::make_shared<MohrCoulombSkeleton<2>>();
-	soil->young                                 = 1e7;
-	soil->youngFrozen                           = 1e8;
-	soil->cohesion                              = 0.0;
-	soil->cohesionFrozen                        = 1e6;
-	soil->frictionAngle                         = 30.0;
-	s.skeletons                                 = { soil };
-	standOnRollers(s);
-	const auto days = [](std::vector<double> list) {
+namespace {
+
+/// A column under its own weight and a load that freezes from below, thaws and freezes again, with water at its surface.
+struct Winters {
+	double           h = 0.05, height = 0.5, scale = 2e6; ///< [m, m, s of the calendar in a second of motion]
+	TimeTable        load { { 0.0 }, { 5e3 } };           ///< on the surface over the calendar [Pa]
+	CompressionCurve curve;                               ///< of thawed ground
+
+	std::unique_ptr<Ground<2>> ground() const
+	{
+		auto s                                      = freezingGround<2>(h, { h, height + 4.0 * h });
+		s.motion->gravity                           = { 0.0, -9.81 };
+		s.heat->thermalTimeScale                    = scale;
+		s.water->permeability.referenceConductivity = 1e-7;
+		s.segregation->segregationPotential         = 1e-9;
+		auto soil                                   = std::make_shared<MohrCoulombSkeleton<2>>();
+		soil->young                                 = 1e7;
+		soil->youngFrozen                           = 1e8;
+		soil->cohesion                              = 0.0;
+		soil->cohesionFrozen                        = 1e6;
+		soil->frictionAngle                         = 30.0;
+		s.skeletons                                 = { soil };
+		if (curve.given()) {
+			s.materials.resize(1);
+			s.materials[0].mixture     = withoutExpansion();
+			s.materials[0].compression = curve;
+		}
+		standOnRollers(s);
+		addBoundary<WallTemperature<2>>(
+		        s, Region<2>::side("bottom"), TimeTable(days({ 0, 60, 61, 120, 121, 180, 181 }), { -2.0, -2.0, 3.0, 3.0, -2.0, -2.0, 3.0 }));
+		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable(0.5));
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface(), TimeTable(0.0), true);
+		addBoundary<Traction<2>>(s, Region<2>::freeSurface(), load);
+		auto ground = std::make_unique<Ground<2>>(s);
+		fillBox(*ground, { 0.0, 0.0 }, { h, height }, [&](PointInput<2>& p) {
+			const double below = height - p.position[1];
+			p.porosity         = porosity;
+			p.temperature      = 0.5;
+			p.pressure         = 9810.0 * below;
+			p.stress[1]        = -load.at(0.0) - 9.81 * 990.0 * below;
+			p.stress[0] = p.stress[2] = 0.5 * p.stress[1];
+		});
+		ground->initialise();
+		return ground;
+	}
+	static std::vector<double> days(std::vector<double> list)
+	{
 		for (double& d : list)
 			d *= day;
 		return list;
-	};
-	addBoundary<WallTemperature<2>>(
-	        s, Region<2>::side("bottom"), TimeTable(days({ 0, 60, 61, 120, 121, 180, 181 }), { -2.0, -2.0, 3.0, 3.0, -2.0, -2.0, 3.0 }));
-	addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable(0.5));
-	addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface(), TimeTable(0.0), true);
-	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), TimeTable(load));
-	Ground<2> ground(s);
-	fillBox(ground, { 0.0, 0.0 }, { h, height }, [&](PointInput<2>& p) {
-		const double below = height - p.position[1];
-		p.porosity         = porosity;
-		p.temperature      = 0.5;
-		p.pressure         = 9810.0 * below;
-		p.stress[1]        = -load - 9.81 * 990.0 * below;
-		p.stress[0] = p.stress[2] = 0.5 * p.stress[1];
-	});
-	ground.initialise();
-	const auto top = [&] {
-		const auto y = valuesOf(ground, "position", 1);
-		return *std::max_element(y.begin(), y.end());
-	};
-	const auto   start  = ground.balance();
-	const double level  = top();
-	const double volume = sumOf(ground, "volume");
-	double       heave[2], left[2], ice[2], grown[2], kept[2];
+	}
+};
+
+double topOf(const Ground<2>& ground)
+{
+	const auto y = valuesOf(ground, "position", 1);
+	return *std::max_element(y.begin(), y.end());
+}
+
+} // namespace
+
+TEST(IceSegregation, ColumnThatFreezesAndThawsHeavesAndSettlesAgain_slow)
+{
+	citing("first cycle; volume of ice");
+	const Winters column;
+	const auto    made   = column.ground();
+	Ground<2>&    ground = *made;
+	const double  h = column.h, scale = column.scale;
+	const auto    top    = [&] { return topOf(ground); };
+	const auto    start  = ground.balance();
+	const double  level  = top();
+	const double  volume = sumOf(ground, "volume");
+	double        heave[2], left[2], ice[2], grown[2], kept[2];
 	for (const int cycle : { 0, 1 }) {
 		marchTo(ground, (60.0 + 120.0 * cycle) * day / scale);
 		heave[cycle] = top() - level;
@@ -529,4 +582,60 @@ TEST(IceSegregation, ColumnThatFreezesAndThawsHeavesAndSettlesAgain_slow)
 	const auto end = ground.balance();
 	expectSmall("freeze, thaw, freeze: drift of water", (end.waterMass - start.waterMass + end.waterOut) / start.waterMass, 1e-12);
 	expectSmall("freeze, thaw, freeze: drift of heat", (end.enthalpy - start.enthalpy - end.heatIn + end.enthalpyOut) / start.enthalpy, 1e-11);
+}
+
+namespace {
+
+/// The column freezes, draws water, thaws and bears 50 kPa more from a day on. By hand its excess ice goes and its soil follows the curve from the stress at
+/// the start to that at the end.
+void expectSettlementByExcessIceAndCurve(const std::string& name, const CompressionCurve& curve, double loaded, double tolerance)
+{
+	constexpr double before = 5e3, more = 5e4, own = 9.81 * 990.0; // the last is the buoyant weight [N/m^3]
+	Winters          column;
+	column.curve         = curve;
+	column.load          = TimeTable(Winters::days({ 0, loaded, loaded + 5 }), { before, before, before + more });
+	const auto    ground = column.ground();
+	const auto    start  = ground->balance();
+	const double  volume = sumOf(*ground, "volume");
+	double        byHand = 0.0;
+	constexpr int layers = 500;
+	for (int k = 0; k < layers; ++k) {
+		const double stress = before + own * column.height * (k + 0.5) / layers;
+		byHand += column.height / layers * (curve.strain(stress + more, 1.0 - porosity) - curve.strain(stress, 1.0 - porosity));
+	}
+	marchTo(*ground, 60.0 * day / column.scale);
+	const double ice = sumOf(*ground, "segregatedVolume") / column.h;
+	marchTo(*ground, 120.0 * day / column.scale);
+	const auto end = ground->balance();
+	std::printf("excess ice %.1f mm; top %.1f mm below the start\n", 1e3 * ice, 1e3 * (column.height - topOf(*ground)) - 0.25e3 * column.h);
+	expectRelative(name + ": settlement below the start [m]", (volume - sumOf(*ground, "volume")) / column.h, byHand, tolerance);
+	expectScaled(name + ": excess ice left", sumOf(*ground, "segregatedVolume") / column.h, 0.0, ice, 1e-12);
+	expectSmall(name + ": drift of water", (end.waterMass - start.waterMass + end.waterOut) / start.waterMass, 1e-12);
+	expectSmall(name + ": drift of heat", (end.enthalpy - start.enthalpy - end.heatIn + end.enthalpyOut) / start.enthalpy, 1e-11);
+}
+
+CompressionCurve curveOf(double compressibility, double index)
+{
+	CompressionCurve c;
+	c.compressibility  = compressibility;
+	c.compressionIndex = index;
+	return c;
+}
+
+} // namespace
+
+// Excess ice is none of the soil, whose curve counts from the volume of the soil alone
+TEST(IceSegregation, ColumnThatHeavesAndThawsSettlesByItsExcessIceAndTheCurveOfItsSoil)
+{
+	citing("C_c log10 of stress, summed over depth");
+	expectSettlementByExcessIceAndCurve("freeze, thaw, load of 50 kPa, C_c 0.14", curveOf(0.0, 0.14), 100.0, 0.03);
+}
+
+// At the front cells are not full of points, and the curve keeps the peaks of their stress
+TEST(IceSegregation, ColumnLoadedWhileItIsFrozenSettlesByItsExcessIceAndTheCurveOfItsSoil_slow)
+{
+	citing("curve of strain over stress, summed over depth");
+	expectSettlementByExcessIceAndCurve("freeze, thaw, load of 50 kPa, compressibility 7.6e-7 1/Pa", curveOf(7.6e-7, 0.0), 100.0, 0.03);
+	expectSettlementByExcessIceAndCurve("freeze, load of 50 kPa, thaw, C_c 0.14", curveOf(0.0, 0.14), 45.0, 0.07);
+	expectSettlementByExcessIceAndCurve("freeze, load of 50 kPa, thaw, compressibility 7.6e-7 1/Pa", curveOf(7.6e-7, 0.0), 45.0, 0.14);
 }
