@@ -55,6 +55,25 @@ def test_slopes_that_freeze_and_thaw_twice_settle_by_their_excess_ice_in_the_ord
 	assert len(re.findall(r"^\| cycle", (tmp_path / "cycles.md").read_text(), re.M)) == 2
 
 
+def test_a_slope_that_freezes_and_thaws_by_itself_heaves_by_its_ice_and_settles_again():
+	"""A box of 1 m with a layer of 0.4 m: heave normal to the slope is that of the ice, and of the pore water that expands and stays; thaw takes it back."""
+	names = {}
+	exec(compile(example.read_text().split("\nparser = ")[0], str(example), "exec"), names)
+	names["frost"] = 20.0
+	ground = names["withIce"](names["Assumptions"](segregation=1e-9, conductivity=4e-8, length=1.0, thickness=0.4))
+	slope = names["OwnIce"](12, ground, 20.0)
+	first, second = slope.next(), slope.next()
+	expansion = ground.porosity * 0.95 * (1000 / 910 - 1) * ground.thickness
+	for name, run in (("first", first), ("second", second)):
+		heave, ice, settled, path = (1e3 * value for value in (run["heave"], run["ice"], run["settlement"][-1], run["path"][-1]))
+		print(f"{name} cycle: {ice:.2f} mm of excess ice, heave {heave:.2f} mm, settled {settled:.2f} mm, moved {path:.2f} mm down the slope")
+		assert run["frozen"] == 1 and run["ice"] > 5e-3
+		assert run["ice"] - 2e-3 < run["heave"] < run["ice"] + expansion
+		assert abs(run["settlement"][-1] / run["heave"] - 1) < 0.25
+	print(f"excess ice of the second cycle over the first {second['ice'] / first['ice']:.3f}")
+	assert abs(second["ice"] / first["ice"] - 1) < 0.25
+
+
 def test_segregated_ice_of_the_slopes_is_that_of_a_quasi_steady_front():
 	"""A front with the gradient G behind it draws q = SP G and moves by Z' = (kappa - rho_w L SP) G/(rho_i L n S): excess ice over soil 1.1 q/Z'."""
 	names = {}
