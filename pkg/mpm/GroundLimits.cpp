@@ -27,8 +27,9 @@ namespace {
 /// Speed of the fastest wave at a point, with that of the point or its water [m/s].
 template <int D> double Ground<D>::Parts::signalSpeed(int p, double modulus) const
 {
-	double c = std::sqrt(modulus * points->volume()[p] / motion->mass[p]);
-	double v = sizeAt<D>(motion->velocity, p);
+	const double tied = implicit ? content->waterMass[p] - (content->iceMass ? content->iceMass[p] : 0.0) : 0.0;
+	double       c    = std::sqrt(modulus * points->volume()[p] / (motion->mass[p] + tied));
+	double       v    = sizeAt<D>(motion->velocity, p);
 	if (water) {
 		if (!implicit) {
 			const double               porosity = content->porosity[p];
@@ -51,7 +52,7 @@ template <int D> double Ground<D>::Parts::advectionStep(int p) const
 {
 	double q = 0.0;
 	for (int a = 0; a < D; ++a) {
-		const double w = water->velocity[a][p] - motion->velocity[a][p];
+		const double w = implicit ? implicit->seepage[a][p] : water->velocity[a][p] - motion->velocity[a][p];
 		q += w * w;
 	}
 	q               = water->liquidFraction[p] * std::sqrt(q);

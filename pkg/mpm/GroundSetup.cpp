@@ -20,7 +20,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 	if (hasContent()) content = std::make_unique<PoreContent<D>>(field, settings);
 	if (settings.heat) heat = std::make_unique<HeatTransfer<D>>(field, *settings.heat, bool(settings.freezing));
 	if (settings.water) water = std::make_unique<PoreWater<D>>(field, *settings.water);
-	if (settings.water && settings.water->implicit) implicit = std::make_unique<ImplicitPressure<D>>();
+	if (settings.water && settings.water->implicit) implicit = std::make_unique<ImplicitPressure<D>>(field);
 	if (settings.motion)
 		for (std::size_t k = 0; k < settings.skeletons.size(); ++k)
 			settings.skeletons[k]->declareFields(field, "skeleton" + std::to_string(k) + ".");
@@ -146,7 +146,10 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	strainWork = { startShare(), bool(implicit) };
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
-	if (implicit) implicit->allocate(grid);
+	if (implicit) {
+		implicit->bind(*points);
+		implicit->allocate(grid, std::any_of(settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->feeds(); }));
+	}
 	listReadArrays();
 }
 

@@ -204,7 +204,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 		        if (front) front->shareMapped(grid, rows);
 		        if (water) rows.nodes(water->nodes);
 		        if (conducts()) heat->shareMapped(rows);
-		        if (implicit) implicit->shareLiquids(rows);
+		        if (implicit && implicit->isFed()) implicit->shareLiquids(rows);
 		        if (surface) rows.nodes(surface->nodes);
 	        },
 	        [](int, int, int) {},
@@ -223,7 +223,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 	        PassPart { bool(water), CostMeter::water,
 	                   [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells(), weight, weight ? heat->reference : 0.0); } },
 	        PassPart { conducts(), CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
-	        PassPart { bool(implicit), CostMeter::water, [&](const WeightBlock<D>& w, double*) { implicit->map(w, *cells, *content); } },
+	        PassPart { implicit && implicit->isFed(), CostMeter::water, [&](const WeightBlock<D>& w, double*) { implicit->map(w, *cells, *content); } },
 	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { surface->map(w); } });
 }
 
@@ -273,7 +273,7 @@ template <int D> void Ground<D>::Parts::findFlows(const StepContext<D>& step)
 		const typename NodeLoops<D>::HeatFlow flow = heat->flow(step);
 		pass(CostMeter::flows, [&](const WeightBlock<D>& w) { nodeLoops<D>().flowHeatAndPressure(w, flow, water->nodal[0], water->force[0]); });
 	} else if (conducts()) pass(CostMeter::heat, [&](const WeightBlock<D>& w) { heat->conduct(step, w); });
-	else if (water) pass(CostMeter::water, [&](const WeightBlock<D>& w) { water->pressureForce(w); });
+	else if (water && !implicit) pass(CostMeter::water, [&](const WeightBlock<D>& w) { water->pressureForce(w); });
 }
 
 template <int D> void Ground<D>::Parts::findNodalPressure(const StepContext<D>& step)
@@ -314,7 +314,8 @@ template <int D> void Ground<D>::Parts::finishTemperature(const StepContext<D>& 
 
 template <int D> void Ground<D>::Parts::solveMomentum(const StepContext<D>& step)
 {
-	if (water) cost.time(CostMeter::water, [&] { water->liquidForce(step.halo); });
+	if (implicit) cost.time(CostMeter::water, [&] { ImplicitPressure<D>::tieLiquid(step, *water); });
+	else if (water) cost.time(CostMeter::water, [&] { water->liquidForce(step.halo); });
 	cost.time(CostMeter::motion, [&] { momentum->addGravity(step.halo, *motion, water.get()); });
 	cost.time(CostMeter::boundaries, [&] { pushByBoundaries(step); });
 	if (bodies) cost.time(CostMeter::bodies, [&] { bodies->push(step, *shape, clock.steps == 0, motion->nodes, front.get(), clock.account.impulse); });
@@ -337,9 +338,10 @@ template <int D> void Ground<D>::Parts::pushByBoundaries(const StepContext<D>& s
 	overSurfaces(&Boundary<D>::loads, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
 		momentum->addLoad(boundary, patch, step.calendarEnd, *motion);
 	});
-	overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
-		water->drainedForce(patch, boundary.pressure(step.calendarEnd));
-	});
+	if (!implicit)
+		overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
+			water->drainedForce(patch, boundary.pressure(step.calendarEnd));
+		});
 }
 
 template <int D> void Ground<D>::Parts::seep(const StepContext<D>& step)
@@ -483,6 +485,7 @@ template <int D> void Ground<D>::Parts::receiveWater(const StepContext<D>& step,
 	const Vec<D> lost = water->receive(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr, motion->velocity);
 	for (int a = 0; a < D; ++a)
 		step.ledger.ofStrip(strip).momentumOut[a] += lost[a];
+	if (implicit) implicit->giveSeepage(*cells, first, last);
 }
 
 /// Effects in files of their own follow the strain of a strip.

@@ -31,6 +31,12 @@ scenes = {
 	"heat and freezing": (freezing, pointsAlone | ofContent | ofHeat | ofFreezing, nodesOfHeat, {"heat"}),
 	"motion only": (motion, pointsAlone | ofMotion, nodesOfMotion, {"wave", "velocity"}),
 	"motion and water": (water, pointsAlone | ofMotion | ofContent | ofWater, nodesOfMotion | nodesOfWater, {"wave", "velocity"}),
+	"motion and water of implicit pressure": (
+		{**motion, "bBar": True, "water": lambda: PoreWater(pressure="implicit")},
+		pointsAlone | ofMotion | ofContent | ofWater | {"seepageVelocity"},
+		nodesOfMotion | nodesOfWater,
+		{"wave", "velocity"},
+	),
 	"motion with affine transfer": ({**motion, "transfer": "apic"}, pointsAlone | ofMotion | {"affineVelocity"}, nodesOfMotion, {"wave", "velocity"}),
 	"everything": (
 		everything,

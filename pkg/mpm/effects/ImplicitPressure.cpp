@@ -16,14 +16,28 @@ namespace {
 	constexpr double checkerboardPart = 0.25;
 	/// The way of water through a cell is as long at least as in one that is filled so far [-].
 	constexpr double leastFill = 0.01;
+	/// Inertia of the liquid over its drag within a step [-]: of a difference between the velocities of liquid and grains this part is left.
+	constexpr double leftOfDifference = 1e-9;
 } // namespace
 
-template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid)
+template <int D>
+ImplicitPressure<D>::ImplicitPressure(PointFields& fields)
+        : seepageField_(fields.declare("seepageVelocity", "water", "m/s", D))
+{}
+
+template <int D> void ImplicitPressure<D>::bind(MaterialPoints<D>& points)
+{
+	for (int a = 0; a < D; ++a)
+		seepage[a] = points.fields().component(seepageField_, a);
+}
+
+template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid, bool fed)
 {
 	const int n = grid.cellCount();
 	cells_.reset(n);
 	links_.reset(std::size_t(n) * corners * D);
-	liquids_.reset(std::size_t(n) * corners);
+	fed_ = fed;
+	if (fed_) liquids_.reset(std::size_t(n) * corners);
 	baseNodes_.reset(n);
 	squares_.reset(n);
 	for (auto& faces : faces_)
@@ -31,7 +45,7 @@ template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid)
 	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &preconditioned_ })
 		values->reset(n);
 	multigrid_.allocate(grid);
-	for (auto* field : { &solid_, &liquid_, &force_, &moved_ })
+	for (auto* field : { &response_, &force_, &moved_ })
 		field->allocate(grid.nodeCount());
 	carried_.reset(grid.nodeCount());
 	open_.assign(grid.nodeCount(), Vec<D> {});
@@ -71,8 +85,7 @@ template <int D> void ImplicitPressure<D>::clear(const ActiveRange& range)
 {
 	range.overCells([&](int first, int last) {
 		std::fill(cells_.begin() + first, cells_.begin() + last, Cell {});
-		std::fill(link(first), link(last), 0.0);
-		std::fill(liquids_.data() + std::size_t(first) * corners, liquids_.data() + std::size_t(last) * corners, 0.0);
+		if (fed_) std::fill(liquids_.data() + std::size_t(first) * corners, liquids_.data() + std::size_t(last) * corners, 0.0);
 	});
 }
 
@@ -134,8 +147,8 @@ template <int D> void ImplicitPressure<D>::map(const WeightBlock<D>& w, const Ce
 template <int D>
 void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<D>& cells, const ShapeFunction<D>& shape, const PoreWater<D>& water)
 {
-	constexpr int  perCell = 1 << D, atOnce = blockSize / perCell;
-	const Grid<D>& grid = step.grid;
+	constexpr int  atOnce = blockSize / 2;
+	const Grid<D>& grid   = step.grid;
 	step.halo.overCells([&](int first, int last) {
 		double                       places[D][blockSize];
 		std::array<const double*, D> x;
@@ -145,23 +158,9 @@ void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<
 		int                     count = 0;
 		WeightBlock<D>          w;
 		const auto              link = [&] {
-                        shape.evaluate(grid, x, 0, count * perCell, w);
-                        for (int k = 0; k < count; ++k) {
-                                const int    c                = of[k];
-                                const double part             = cells_[c].volume / perCell;
-                                double       volumes[corners] = {};
-                                for (int at = k * perCell; at < (k + 1) * perCell; ++at) {
-                                        const int corner = cornerOf(c, w.base[at]);
-                                        int       node   = 0;
-                                        overNodes<D>(w, at, [&](int, double s, const Vec<D>& g) {
-                                                const int k = corner + within_[node++];
-                                                volumes[k] += part * s;
-                                                for (int a = 0; a < D; ++a)
-                                                        this->link(c)[k * D + a] += part * g[a];
-                                        });
-                                }
-                                foldLinks(c, volumes, water);
-                        }
+                        shape.evaluate(grid, x, 0, 2 * count, w);
+                        for (int k = 0; k < count; ++k)
+                                linkCell(of[k], w, 2 * k, water);
                         count = 0;
 		};
 		for (int c = first; c < last; ++c) {
@@ -171,15 +170,42 @@ void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<
 			cell.fill = std::min(1.0, cell.volume / cellVolume_);
 			findMiddle(grid, c);
 			of[count] = c;
-			for (int k = 0; k < perCell; ++k)
-				for (int a = 0; a < D; ++a) {
+			for (int a = 0; a < D; ++a)
+				for (const int side : { 0, 1 }) {
 					const double wide = 1.0 - 2.0 * std::abs(cell.middle[a]), place = placeOf(grid, c, a) + 0.5 + cell.middle[a];
-					places[a][count * perCell + k] = grid.lower()[a] + spacing_ * (place + (k >> a & 1 ? 0.25 : -0.25) * wide);
+					places[a][2 * count + side] = grid.lower()[a] + spacing_ * (place + (side ? 0.25 : -0.25) * wide);
 				}
 			if (++count == atOnce) link();
 		}
 		if (count > 0) link();
 	});
+}
+
+/// Means over the 2^D places of a cell. They are products of means over two places along each axis, those of points k and k + 1 of a block.
+template <int D> void ImplicitPressure<D>::linkCell(int c, const WeightBlock<D>& w, int k, const PoreWater<D>& water)
+{
+	double value[D][4] = {}, slope[D][4] = {};
+	for (int at = k; at < k + 2; ++at) {
+		const int corner = cornerOf(c, w.base[at]);
+		for (int a = 0; a < D; ++a)
+			for (int i = 0; i < supportNodes; ++i) {
+				value[a][corner / step_[a] % 4 + i] += 0.5 * w.value[a][i][at];
+				slope[a][corner / step_[a] % 4 + i] += 0.5 * w.slope[a][i][at];
+			}
+	}
+	double* const b = link(c);
+	double        volumes[corners];
+	for (int n = 0; n < corners; ++n) {
+		volumes[n] = cells_[c].volume;
+		for (int a = 0; a < D; ++a)
+			volumes[n] *= value[a][n / step_[a] % 4];
+		for (int a = 0; a < D; ++a) {
+			b[n * D + a] = cells_[c].volume;
+			for (int i = 0; i < D; ++i)
+				b[n * D + a] *= (i == a ? slope : value)[i][n / step_[i] % 4];
+		}
+	}
+	foldLinks(c, volumes, water);
 }
 
 /// The few points of a cell may reach fewer nodes than its volume does. What a node lacks of the volume that the cell has there [m^D] moves with the
@@ -213,6 +239,16 @@ template <int D> void ImplicitPressure<D>::giveArea(const StepContext<D>& step, 
 }
 
 // ---- flow between cells ---------------------------------------------------------------------------------------------------
+
+template <int D> void ImplicitPressure<D>::tieLiquid(const StepContext<D>& step, PoreWater<D>& water)
+{
+	step.halo.overNodes([&](int, int first, int last) {
+		for (int i = first; i < last; ++i) {
+			water.nodes[i][PoreWater<D>::dragAt] = water.nodes[i][PoreWater<D>::massAt] / (leftOfDifference * step.dt);
+			std::fill_n(water.force[i], D, 0.0);
+		}
+	});
+}
 
 /// What falls freely does not flow: the part of its weight that a node does not follow.
 template <int D> void ImplicitPressure<D>::findCarried(const ActiveRange& range, const SolidMotion<D>& motion, double dt)
@@ -440,6 +476,8 @@ void ImplicitPressure<D>::drainThrough(
 	const double conductance = cell.open * faceArea_ / way * area;
 	cell.drained += conductance;
 	cell.drives += conductance * drives;
+	for (int a = 0; a < D; ++a)
+		cell.leaves[a] += conductance * outward[a];
 }
 
 template <int D>
@@ -521,7 +559,7 @@ template <int D> double ImplicitPressure<D>::divergence(int cell, const NodeFiel
 }
 
 /// Flow out of a cell that pressures drive [m^D/s].
-template <int D> double ImplicitPressure<D>::seepage(const Grid<D>& grid, int c, const double* x) const
+template <int D> double ImplicitPressure<D>::flowOut(const Grid<D>& grid, int c, const double* x) const
 {
 	double out = cells_[c].drained * x[c];
 	for (int a = 0; a < D; ++a) {
@@ -583,14 +621,14 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 	step.halo.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a)
-				moved_[i][a] *= solid_[i][a];
+				moved_[i][a] *= response_[i][a];
 	});
 	momentum.unfoldChanges(step.halo, moved_);
 	step.owned.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c)
 			y[c] = cells_[c].state == none
 			        ? 0.0
-			        : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + seepage(grid, c, x)) + checkerboard(grid, c, x);
+			        : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + flowOut(grid, c, x)) + checkerboard(grid, c, x);
 	});
 }
 
@@ -612,7 +650,7 @@ template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& s
 			initial_[c]      = 0.0;
 			if (cell.state == none) continue;
 			double fed = 0.0;
-			for (int k = 0; k < corners; ++k) {
+			for (int k = 0; k < corners && fed_; ++k) {
 				const int    node = baseNodes_[c] + nodeOffset_[k];
 				const double got  = water.exchange[node][PoreWater<D>::Gathered::water];
 				if (got != 0.0) fed += liquids_[std::size_t(c) * corners + k] * got * water.nodal[node][PoreWater<D>::Driving::perLiquidMass];
@@ -636,7 +674,7 @@ template <int D> double ImplicitPressure<D>::movedAcross(const Grid<D>& grid, in
 {
 	double gives = 0.0;
 	overCorners(grid, c, [&](int node, int corner) {
-		if (corner >> axis & 1) gives += solid_[node][axis];
+		if (corner >> axis & 1) gives += response_[node][axis];
 	});
 	return faceArea_ * faceArea_ * cells_[c].fill * cells_[c + grid.cellStride(axis)].fill * gives / (1 << (D - 1));
 }
@@ -720,7 +758,7 @@ template <int D> void ImplicitPressure<D>::iterate(const StepContext<D>& step, c
 	double       norm  = sum(step, [&](int c) { return residual_[c] * direction_[c]; });
 	const double stand = sum(step, [&](int c) { return multigrid_.diagonal(c) * cells_[c].base * cells_[c].base; });
 	goal               = std::max({ goal, relativeResidual * relativeResidual * norm, smallestResidual * smallestResidual * stand });
-	for (int k = 0; k < mostIterations && norm > goal; ++k, ++iterations_) {
+	for (int k = 0; k < mostIterations && norm > goal; ++k) {
 		Multigrid::share(step, direction_);
 		apply(step, momentum, direction_.data(), image_.data());
 		const double way = norm / sum(step, [&](int c) { return direction_[c] * image_[c]; });
@@ -782,16 +820,39 @@ template <int D> void ImplicitPressure<D>::findMoved(const Grid<D>& grid, const 
 	});
 }
 
+/// The mean of what flows through both faces of a cell along an axis, and through its surface.
+template <int D> void ImplicitPressure<D>::findSeepage(const Grid<D>& grid, const ActiveRange& range, double dt, double liquidDensity)
+{
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			Cell& cell = cells_[c];
+			if (cell.state == none) continue;
+			for (int a = 0; a < D; ++a) {
+				const int    s       = grid.cellStride(a);
+				const double behind  = c >= s ? faces_[a][c - s].moved : 0.0;
+				const double through = cell.drained > 0.0 ? cell.out * cell.leaves[a] / cell.drained : 0.0;
+				cell.flows[a]        = 0.5 * (faces_[a][c].moved + behind + through) * spacing_ * liquidDensity / (dt * cell.liquidMass);
+			}
+		}
+	});
+}
+
+template <int D> void ImplicitPressure<D>::giveSeepage(const CellMeans<D>& cells, int first, int last)
+{
+	for (int p = first; p < last; ++p)
+		for (int a = 0; a < D; ++a)
+			seepage[a][p] = cells_[cells.cell(p)].flows[a];
+}
+
 template <int D>
 void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity)
 {
 	const double dt = step.dt;
-	momentum.findResponse(step.halo, motion, water, dt, solid_, liquid_);
+	momentum.findResponse(step.halo, motion, water, dt, response_);
 	const double mass   = sumOfNodes(step, [&](int i) { return motion.nodes[i][motion.massAt] + water.nodes[i][PoreWater<D>::massAt]; });
 	const double volume = sumOfNodes(step, [&](int i) { return water.nodes[i][PoreWater<D>::volumeAt]; });
 	checkerboard_       = volume > 0.0 ? checkerboardPart * dt * dt * cellVolume_ / (spacing_ * spacing_ * mass / volume) : 0.0;
 	findResiduals(step, motion, water, liquidDensity);
-	iterations_ = 0;
 	double goal = 0.0;
 	for (int round = 0; round < mostRounds; ++round) {
 		iterate(step, momentum, goal);
@@ -800,8 +861,9 @@ void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& m
 		if (!changed) break;
 	}
 	findMoved(step.grid, step.halo, dt);
+	findSeepage(step.grid, step.owned, dt, liquidDensity);
 	forces(step.halo, change_.data(), force_);
-	momentum.correct(step.halo, motion, water, force_, solid_, liquid_, dt, step.ledger);
+	momentum.correct(step.halo, motion, water, force_, response_, dt, step.ledger);
 }
 
 template <int D> void ImplicitPressure<D>::keepOnly(const ActiveRange& range)
@@ -809,13 +871,13 @@ template <int D> void ImplicitPressure<D>::keepOnly(const ActiveRange& range)
 	const std::size_t first = range.firstCell, last = range.lastCell;
 	cells_.keepOnly(first, last);
 	links_.keepOnly(first * corners * D, last * corners * D);
-	liquids_.keepOnly(first * corners, last * corners);
+	if (fed_) liquids_.keepOnly(first * corners, last * corners);
 	for (auto& faces : faces_)
 		faces.keepOnly(first, last);
 	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &preconditioned_ })
 		values->keepOnly(first, last);
 	multigrid_.keepOnly(range);
-	for (auto* field : { &solid_, &liquid_, &force_, &moved_ })
+	for (auto* field : { &response_, &force_, &moved_ })
 		field->keepOnly(range.firstNode, range.lastNode);
 	carried_.keepOnly(range.firstNode, range.lastNode);
 }

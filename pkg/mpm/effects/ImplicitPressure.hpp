@@ -21,15 +21,20 @@ namespace talik {
 
 /// Pore pressure of all cells at the end of a step at once, so that neither the stiffness of water nor its conductivity limits the step.
 ///
-/// Nodes are solved with the pressure of the start, as without this effect. Then the change x of the pressure of the cells follows from
+/// Water has the inertia of the ground that it flows through, and none relative to it (the u-p form, Zienkiewicz et al. 1980): the nodes have one
+/// velocity v of grains and water. They are solved with the pressure of the start. Then the change x of the pressure of the cells follows from
 ///   (C + dt B A B' + dt L + S) x = e + inflow - dt B v - C p
-/// with the compliance C of what fills the pores, the divergence B of the points of a cell and its transpose B', the response A of the nodes to
-/// a force (drag implicit), the flow L between the middles of cells (Darcy, with the mobility of both halves of the way), and a share S of the
+/// with the compliance C of what fills the pores, the divergence B of the points of a cell and its transpose B', the response A = dt/(m_s + m_l) of
+/// the nodes to a force, the flow L between the middles of cells (Darcy, with the mobility of both halves of the way), and a share S of the
 /// storage that nodes do not see, eq. (7.8). Velocities take A B' x, water flows between cells by L. So the masses and the pore volume of the
 /// end fit the pressure, but for what is left over: ice that forms or thaws within the step, and rounding. That part is in e of the next step.
 template <int D> class ImplicitPressure {
 public:
-	void allocate(const Grid<D>& grid);
+	explicit ImplicitPressure(PointFields& fields);
+	void bind(MaterialPoints<D>& points);
+	/// fed: a boundary gives water to nodes.
+	void allocate(const Grid<D>& grid, bool fed);
+	bool isFed() const { return fed_; }
 	void clear(const ActiveRange& range);
 	/// Only nodes and cells of this part are used from now on; all others are zero and take no memory.
 	void keepOnly(const ActiveRange& range);
@@ -40,7 +45,7 @@ public:
 	void addContent(
 	        const MaterialPoints<D>& points, const CellMeans<D>& cells, const PoreContent<D>& content, const PoreWater<D>& water, const double* temperature,
 	        int first, int last);
-	/// The liquid that the nodes share.
+	/// The liquid that the nodes share, in ground that is fed.
 	void map(const WeightBlock<D>& w, const CellMeans<D>& cells, const PoreContent<D>& content);
 	/// The divergence of each cell by its nodes: not that of its points, whose sums are as far from the integral as they do not lie evenly, but of 2^D
 	/// points of equal volume that lie evenly about the middle of its ground. Forces of one pressure then add up to nothing within the ground.
@@ -48,6 +53,8 @@ public:
 	/// Area of the surface as the pressure sees it, in place of that of the points.
 	void giveArea(const StepContext<D>& step, FreeSurface<D>& surface) const;
 
+	/// The liquid of the nodes moves with their grains: its drag leaves no difference by the end of the step. Before nodes are solved.
+	static void tieLiquid(const StepContext<D>& step, PoreWater<D>& water);
 	/// Means of the cells and conductances between them, when nodes are solved.
 	void beginFlow(const StepContext<D>& step, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
 	/// Faces of the surface of the ground through which water flows to a pressure outside [Pa].
@@ -58,11 +65,12 @@ public:
 	void bookDissipation(const StepContext<D>& step) const;
 	/// Adds what flows to the exchange of the cells.
 	void exchange(const StepContext<D>& step, PoreWater<D>& water, const LiquidOfGround& liquid);
+	/// Seepage velocity of points, by what flowed between cells.
+	void giveSeepage(const CellMeans<D>& cells, int first, int last);
 	/// The pressure of the cells, for their points.
 	void givePressure(const ActiveRange& range, PoreWater<D>& water) const;
 
-	/// Iterations of the last step.
-	int iterations() const { return iterations_; }
+	std::array<double*, D> seepage; ///< by point: velocity of the liquid relative to the grains, mean over its cell and the last step [m/s]
 
 private:
 	using Multigrid              = PressureMultigrid<D>;
@@ -81,6 +89,8 @@ private:
 		double lowest;                                      ///< cavitation pressure [Pa]
 		double drained, drives; ///< conductance of its drained faces [m^D/(Pa s)], and the flow that they let out at p = 0 [m^D/s]
 		double out;             ///< volume that leaves through them in the step [m^D]
+		double leaves[D];       ///< their conductances, along their outward normals [m^D/(Pa s)]
+		double flows[D];        ///< seepage velocity [m/s]
 		int    state;           ///< see State
 	};
 	enum State { none, wet, cavitated };
@@ -98,6 +108,7 @@ private:
 	{
 		return placeOf(grid, cell, axis) + 1 < grid.cells(axis) && cell + grid.cellStride(axis) < range.lastCell;
 	}
+	void linkCell(int cell, const WeightBlock<D>& w, int k, const PoreWater<D>& water);
 	void foldLinks(int cell, const double* volumes, const PoreWater<D>& water);
 	/// Place of a node among the corners of a cell.
 	int           cornerOf(int cell, int node) const;
@@ -126,12 +137,13 @@ private:
 	double divergence(int cell, const NodeField<D>& values) const;
 	/// y of the cells of this rank, from x of those around them, too.
 	void   apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y);
-	double seepage(const Grid<D>& grid, int cell, const double* x) const;
+	double flowOut(const Grid<D>& grid, int cell, const double* x) const;
 	double checkerboard(const Grid<D>& grid, int cell, const double* x) const;
 	double hourglass(int cell, int pair, int sa, int sb, const double* x) const;
 	void   findSquares(const Grid<D>& grid, const ActiveRange& range);
 	void   findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
 	double movedAcross(const Grid<D>& grid, int cell, int axis) const;
+	void   findSeepage(const Grid<D>& grid, const ActiveRange& range, double dt, double liquidDensity);
 	void   findPreconditioner(const StepContext<D>& step, const MomentumSolver<D>& momentum);
 	/// Temperature of the water that a cell gives to the next one along an axis (step 1) or to the one before (-1): second order where it changes
 	/// evenly, and never beyond both cells [degC].
@@ -147,7 +159,7 @@ private:
 	PagedArray<int>                  baseNodes_;
 	PagedArray<unsigned char>        squares_; ///< see findSquares()
 	PagedArray<double>               links_;   ///< sum V grad S of each cell at its nodes
-	PagedArray<double>               liquids_; ///< sum m_l S of each cell at its nodes
+	PagedArray<double>               liquids_; ///< sum m_l S of each cell at its nodes, in ground that is fed
 	std::array<PagedArray<Face>, D>  faces_;
 	std::array<int, corners>         nodeOffset_ {};
 	std::array<int, supportCount<D>> within_ {};            ///< place of a node of a point's support among the corners
@@ -158,14 +170,15 @@ private:
 	int                              cellsOfRow_ = 1;
 	PagedArray<double>               change_, residual_, initial_, direction_, image_, preconditioned_;
 	Multigrid                        multigrid_;
-	NodeField<D>                     solid_, liquid_, force_, moved_;
+	NodeField<D>                     response_, force_, moved_;
 	PagedArray<double>               carried_; ///< part of the weight of a node that stress carries [-]
 	std::vector<Vec<D>>              open_;    ///< direction in which water may leave at a node; the faces of a slope then have its area
 	std::vector<int>                 exposed_; ///< cells with a face without ground behind it
 	std::vector<double>              partial_;
 	double                           checkerboard_ = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
 	double                           cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0;
-	int                              iterations_ = 0;
+	PointFields::Handle              seepageField_;
+	bool                             fed_ = false;
 };
 
 extern template class ImplicitPressure<2>;

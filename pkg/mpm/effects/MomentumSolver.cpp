@@ -575,34 +575,18 @@ void MomentumSolver<D>::solve(
 }
 
 template <int D>
-void MomentumSolver<D>::findResponse(
-        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& solid, NodeField<D>& liquid) const
+void MomentumSolver<D>::findResponse(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& response) const
 {
-	using W = PoreWater<D>;
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i) {
-			const double ms = motion.nodes[i][motion.massAt], ml = water.nodes[i][W::massAt], q = water.nodes[i][W::dragAt];
-			const double part = water.nodal[i][W::Driving::liquidFraction];
-			const bool   wet  = ml > smallestLiquidShare * ms;
-			const auto   both = !(ms > 0.0) ? PhaseAccelerations { 0.0, 0.0 }
-			          : wet                 ? NodeDrag(ms, ml, q, dt)(0.0, 0.0, 1.0, part)
-			                                : PhaseAccelerations { 1.0 / (ms + ml), 1.0 / (ms + ml) };
-			for (int a = 0; a < D; ++a) {
-				solid[i][a]  = dt * both.solid;
-				liquid[i][a] = dt * both.liquid;
-			}
+			const double ms = motion.nodes[i][motion.massAt];
+			for (int a = 0; a < D; ++a)
+				response[i][a] = ms > 0.0 ? dt / (ms + water.nodes[i][PoreWater<D>::massAt]) : 0.0;
 		}
 	});
-	for (const int i : constraints_.constrainedNodes()) {
-		if (!range.holds(i) || !(motion.nodes[i][motion.massAt] > 0.0)) continue;
-		const double ms = motion.nodes[i][motion.massAt], ml = water.nodes[i][W::massAt], dq = dt * water.nodes[i][W::dragAt];
-		for (int a = 0; a < D; ++a) {
-			const bool fixed = constraints_.solidFixed(i, a), tied = constraints_.liquidTied(i, a);
-			if (!fixed && !tied) continue;
-			solid[i][a]  = fixed ? 0.0 : dt / (ms + ml);
-			liquid[i][a] = tied ? solid[i][a] : ml > 0.0 ? dt * water.nodal[i][W::Driving::liquidFraction] / (ml + dq) : 0.0;
-		}
-	}
+	for (const int i : constraints_.constrainedNodes())
+		for (int a = 0; a < D && range.holds(i); ++a)
+			if (constraints_.solidFixed(i, a)) response[i][a] = 0.0;
 }
 
 template <int D> void MomentumSolver<D>::foldForces(const ActiveRange& range, NodeField<D>& force, const std::function<void(const Mirror&)>& beforeMoving) const
@@ -671,43 +655,25 @@ template <int D> void MomentumSolver<D>::foldMore(const ActiveRange& range, Soli
 
 template <int D>
 void MomentumSolver<D>::correct(
-        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, NodeField<D>& force, NodeField<D>& solid, NodeField<D>& liquid, double dt,
-        StepLedger<D>& ledger)
+        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, NodeField<D>& force, NodeField<D>& change, double dt, StepLedger<D>& ledger)
 {
-	using W = PoreWater<D>;
 	for (const int i : wallNodes_)
 		for (int a = 0; a < D && range.holds(i); ++a)
 			ledger.ofNode(i).impulse[a] -= dt * force[i][a];
 	foldMore(range, motion, force);
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
-			for (int a = 0; a < D; ++a) {
-				liquid[i][a] *= force[i][a];
-				solid[i][a] *= force[i][a];
-			}
+			for (int a = 0; a < D; ++a)
+				change[i][a] *= force[i][a];
 	});
-	unfoldChanges(range, solid);
-	for (const auto& c : constraints_.carried())
-		if (range.holds(c.node) && constraints_.liquidTied(c.node, c.axis)) liquid[c.node][c.axis] = solid[c.node][c.axis];
-	unfoldMirrors(range, liquid);
-	for (std::size_t k = 0; k < mirrors_.size(); ++k) {
-		const int ghost = mirrors_[k].ghost;
-		if (foldLiquid_[k] || !range.holds(mirrors_[k].inner)) continue;
-		// its liquid is free, and follows the solid by drag
-		const double ml = water.nodes[ghost][W::massAt], dq = dt * water.nodes[ghost][W::dragAt];
-		for (int a = 0; a < D; ++a)
-			liquid[ghost][a] = ml > 0.0 ? dq / (ml + dq) * solid[ghost][a] : 0.0;
-	}
+	unfoldChanges(range, change);
 	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			const double part = water.nodal[i][W::Driving::liquidFraction];
+		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a) {
-				motion.solved[i][a] += solid[i][a];
-				motion.solved[i][motion.velocityAt + a] += solid[i][a];
-				water.solved[i][a] += liquid[i][a];
-				water.flux[i][a] += part * (liquid[i][a] - solid[i][a]);
+				motion.solved[i][a] += change[i][a];
+				motion.solved[i][motion.velocityAt + a] += change[i][a];
+				water.solved[i][a] += change[i][a];
 			}
-		}
 	});
 }
 

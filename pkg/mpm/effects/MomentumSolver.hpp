@@ -67,10 +67,9 @@ public:
 	void solve(
 	        const StepContext<D>& step, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, bool keepWorks,
 	        const std::function<void()>& change = {});
-	/// What a force on the mixture of a node, of which the liquid takes the part n_I, changes of both velocities in dt, drag implicit
-	/// [m/s/N]; 0 where walls hold them. After solve().
-	void findResponse(
-	        const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& solid, NodeField<D>& liquid) const;
+	/// What a force on the mixture of a node changes in dt of the velocity of its grains and its liquid, which move together [m/s/N]; 0 where walls
+	/// hold them. After solve().
+	void findResponse(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& response) const;
 	/// Forces behind walls are folded into the nodes in front of them, and those at walls that are ahead of their nodes act there, too, eq. (8.5).
 	/// beforeMoving: called before a ghost of a moving wall is folded.
 	void foldForces(const ActiveRange& range, NodeField<D>& force, const std::function<void(const Mirror&)>& beforeMoving = {}) const;
@@ -81,11 +80,11 @@ public:
 	void forgetLoads() { loads_.clear(); }
 	/// The transpose of folding, for changes of velocities.
 	void unfoldChanges(const ActiveRange& range, NodeField<D>& change) const;
-	/// Adds what more force changes of the solved velocities of solid and liquid, and books what walls hold of it. solid, liquid: what
-	/// findResponse() found. All three fields are used up.
+	/// Adds what more force changes of the solved velocities of solid and liquid, and books what walls hold of it. change: what findResponse()
+	/// found. Both fields are used up.
 	void correct(
-	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, NodeField<D>& force, NodeField<D>& solid, NodeField<D>& liquid,
-	        double dt, StepLedger<D>& ledger);
+	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, NodeField<D>& force, NodeField<D>& change, double dt,
+	        StepLedger<D>& ledger);
 	/// Ghost nodes and their images, in the order in which they are folded.
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.

@@ -85,7 +85,8 @@ public:
 				"at which pressure comes to rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
 		((string,pressure,"explicit",,"How the pressure follows: explicit, from step to step, so that the stiffness of water limits the step; implicit, for all "
 				"cells at once at the end of the step: the step is that of the skeleton, with water as stiff as it is, and pressure does not alternate from cell to cell. "
-				"implicit needs bBar."))
+				"implicit needs bBar. Water has no inertia of its own then: liquidVelocity is the velocity of the ground that it is in, and seepageVelocity what it "
+				"flows relative to the grains."))
 		((Real,bulkModulus,NaN,,"Bulk modulus of water K_w [Pa], > 0. Real water has 2.2e9. NaN: 2.2e9 with implicit pressure; with explicit pressure 2.2e7, a "
 				"hundredth, which allows larger time steps and lowers Skempton's B, see MpmEngine.skemptonB."))
 		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times that of water."))
