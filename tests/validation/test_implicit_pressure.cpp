@@ -443,7 +443,7 @@ void expectThawConsolidation(double ratio, int cells, double allowedScatter)
 	std::snprintf(name, sizeof name, "implicit pressure, Morgenstern-Nixon R = %.2f, %d cells: ", ratio, cells);
 	const double atFront = reference::MorgensternNixon { ratio }.atThawLine();
 	std::printf("rms of u over its value at the thaw line: %.3f\n", found.ofProfile / atFront);
-	expectSmall(name + std::string("rms of u/P0 within the thawed layer"), found.ofProfile, 1e-2);
+	expectSmall(name + std::string("rms of u/P0 within the thawed layer"), found.ofProfile, 5e-3);
 	expectScaled(name + std::string("mean in time of u over exact at 0.4 X"), 1.0 + found.mean, 1.0, 1.0, 3e-2);
 	expectSmall(name + std::string("scatter in time of u over exact at 0.4 X"), found.scatter, allowedScatter);
 }
@@ -475,8 +475,8 @@ TEST(ImplicitPressure, ThawOfLoadedGroundGivesTheExcessPressureOfMorgensternAndN
 // A cell that thaws lets the whole load go, of which a slow front leaves but a few hundredths: what scatters is how evenly heat melts the cells
 TEST(ImplicitPressure, PressureBehindASlowThawFrontIsSteadyInTime_slow)
 {
-	expectThawConsolidation(0.2, 12, 0.1);
-	expectThawConsolidation(0.25, 20, 5e-2);
+	expectThawConsolidation(0.2, 12, 3e-2);
+	expectThawConsolidation(0.25, 20, 3e-2);
 }
 
 TEST(ImplicitPressure, HasTheSameBitsWithAnyThreads)

@@ -307,21 +307,22 @@ template <int D> int ImplicitPressure<D>::wetCell(const Grid<D>& grid, const Act
 }
 
 /// Part of a cell that the thawed layer takes whose ground lies in front of it along an axis, and frozen ground behind it. A front melts points of the
-/// cell behind it, too, because nodes are warmed on both sides of it: what has melted in both is a layer that begins at the thawed ground. So the
-/// front goes on evenly, and passes from cell to cell without a jump.
+/// two cells behind it, too, because nodes are warmed on both sides of it: what has melted in the first three cells with ice is a layer that begins at
+/// the thawed ground. The first two see the same three cells. So the front goes on evenly, and passes from cell to cell without a jump.
 template <int D> double ImplicitPressure<D>::thawedPart(const Grid<D>& grid, const ActiveRange& range, int c, int axis, int side) const
 {
 	const auto next       = [&](int by) { return wetCell(grid, range, c, axis, by * side); };
 	const auto liquidPart = [&](int at) { return cells_[at].liquidMass / (cells_[at].liquidMass + cells_[at].ice); };
 	const int  before = next(1), behind = next(-1);
 	if (before < 0 || behind < 0 || liquidPart(behind) >= liquidPart(c)) return 0.0;
-	if (cells_[before].ice == 0.0) {
-		const double frozen = std::min(liquidPart(behind), next(-2) >= 0 ? liquidPart(next(-2)) : 1.0);
-		return std::min(1.0, (liquidPart(c) + liquidPart(behind) - 2.0 * frozen) / (1.0 - frozen));
-	}
+	const bool first  = cells_[before].ice == 0.0;
+	double     frozen = 1.0;
+	for (int k = 1; k <= (first ? 3 : 2) && next(-k) >= 0; ++k)
+		frozen = std::min(frozen, liquidPart(next(-k)));
+	const auto thawed = [&](int at) { return at < 0 ? 0.0 : (liquidPart(at) - frozen) / (1.0 - frozen); };
+	if (first) return std::min(1.0, thawed(c) + thawed(behind) + thawed(next(-2)));
 	if (next(2) < 0 || cells_[next(2)].ice > 0.0 || liquidPart(before) <= liquidPart(c)) return 0.0;
-	const double frozen = liquidPart(behind);
-	return std::max(0.0, (liquidPart(c) + liquidPart(before) - 2.0 * frozen) / (1.0 - frozen) - 1.0);
+	return std::clamp(thawed(before) + thawed(c) + thawed(behind) - 1.0, 0.0, 1.0);
 }
 
 /// Cells that a thaw front passes, and the pressure of their thawed layer, eq. (7.6).
