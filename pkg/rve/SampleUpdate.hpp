@@ -18,6 +18,10 @@ inline double timeStepOfMotion(double before, double longest)
 /// Steps at the end of a motion with that time step: it may change at rest only.
 inline long stepsToRest(double before, double ofMotion) { return ofMotion == before ? 1 : 2; }
 
+/// Parts in which the ice saturation changes, and what it is after the k-th of them, k = 1 to parts.
+inline long   partsOfIce(double from, double target, double increment) { return long(std::ceil(std::fabs(target - from) / increment - 1e-9)); }
+inline double iceAfterPart(double from, double target, long k, long parts) { return k == parts ? target : from + (target - from) * double(k) / double(parts); }
+
 /// One macroscopic increment on a sample, packed or open: ice and its creep at zero velocity gradient, then motion, then relaxation.
 /// A sample offers timeStep, setTimeStep, longestTimeStep, velGrad, setNextVelGrad, run, lastStress, setLastStress, hasIce, iceSaturation,
 /// setIceSaturation, leastStepsOfIce, creep, movingSteps, motionPerStep and unbalancedForce.
@@ -56,9 +60,9 @@ private:
 	{
 		if (!sample.hasIce()) return;
 		const double from  = sample.iceSaturation();
-		const long   parts = long(std::ceil(std::fabs(target - from) / options.saturationIncrement - 1e-9));
+		const long   parts = partsOfIce(from, target, options.saturationIncrement);
 		for (long k = 1; k <= parts; ++k) {
-			sample.setIceSaturation(k == parts ? target : from + (target - from) * double(k) / double(parts));
+			sample.setIceSaturation(iceAfterPart(from, target, k, parts));
 			sample.run(std::max(Sample::leastStepsOfIce, options.stepsPerSaturation));
 		}
 	}

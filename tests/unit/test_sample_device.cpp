@@ -126,7 +126,7 @@ template <int Dim> void expectSameWhateverHappens(const std::shared_ptr<SampleDe
 		        return Round { 1e-3, 3e-4 * std::sin(r), s ? 0.2 : 0.1 };
 	        },
 	        "frozen, bonds breaking", 11, 20);
-	expectSameRun<Dim>(
+	const auto melting = expectSameRun<Dim>(
 	        ofIce, 40, device,
 	        [](int r, int s) {
 		        const double from = s ? 0.2 : 0.1,
@@ -138,6 +138,9 @@ template <int Dim> void expectSameWhateverHappens(const std::shared_ptr<SampleDe
 		        return Round { r % 4 ? 5e-4 : 0., r % 4 ? 1e-4 * std::sin(r) : 0., ice };
 	        },
 	        "thawing and refreezing", 13, 20);
+	constexpr std::size_t nothingAsked = 12; // at rest, with the ice as it is
+	std::printf("thawing and refreezing: %zu updates left or ended, of which nothing was asked in %zu\n", melting.left + melting.ended, nothingAsked);
+	EXPECT_EQ(melting.left + melting.ended, nothingAsked) << "bonds melt and form on the device";
 	expectSameRun<Dim>(
 	        ofIce, 24, device,
 	        [](int r, int s) {
@@ -158,12 +161,13 @@ template <int Dim> void expectSameWhateverHappens(const std::shared_ptr<SampleDe
 	        "cells that turn and become thin", 0, 0);
 	std::vector<PackedState<Dim>> swelling { frozen<Dim>(0.3) };
 	swelling[0].thawStrain.thawStrain = 0.1;
-	expectSameRun<Dim>(
+	const auto shrinking = expectSameRun<Dim>(
 	        swelling, 30, device,
 	        [](int r, int) {
 		        return Round { 5e-4, 0, std::max(0., 0.3 - 0.02 * (r / 2)) };
 	        },
 	        "grains that shrink on thaw", 0, 5);
+	EXPECT_EQ(shrinking.left, 0u) << "grains shrink on the device";
 	std::vector<PackedState<Dim>> wild { thawed<Dim>(), thawed<Dim>() };
 	wild[0].dt *= 40;
 	SamplePool<Dim> processor, away;

@@ -29,11 +29,13 @@ using ::sqrt;
 } // namespace std
 #pragma clang force_cuda_host_device begin
 #include <pkg/icebond/ContactForces.hpp>
+#include <pkg/icebond/IceChange.hpp>
 #pragma clang force_cuda_host_device end
 #else
 #define TALIK_ON_CARD 0
 #define TALIK_CARD
 #include <pkg/icebond/ContactForces.hpp>
+#include <pkg/icebond/IceChange.hpp>
 #endif
 
 #define TALIK_INLINED __attribute__((always_inline))

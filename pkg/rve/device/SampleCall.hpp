@@ -25,7 +25,7 @@ struct PlaceLayout {
 	/// of the ice, k_g, area, u_grain, u_ice.
 	constexpr std::int32_t pairRows() const { return shearRows() + dimension + (bonded ? shearRows() + 8 : 0); }
 
-	static PlaceLayout of(int dimension, int grains, int pairs, bool bonded)
+	static constexpr PlaceLayout of(int dimension, int grains, int pairs, bool bonded)
 	{
 		PlaceLayout l {};
 		l.grains    = grains;
@@ -56,19 +56,35 @@ struct PairCode {
 	static constexpr int           image(std::uint32_t code) { return int(code >> 24) - 1; }
 };
 
-/// One sample and all its steps: `moving` with the velocity gradient, the first of which brings it into force, then `resting` ones.
+/// A part of a change of ice: what holds from it on.
+struct IcePart {
+	double       iceRatio, tensileStrength, shearStrength;
+	double       radiusFactor, largestRadius, smallestRadius, meanRadius;
+	double       bondSkin;      ///< least skin of the lists that bonds form from
+	std::int32_t melted, forms; ///< no ice is left; new bonds form
+};
+
+/// Parts that go with a call at most.
+constexpr int mostIceParts = 8;
+
+/// One sample and all its steps: `moving` with the velocity gradient, the first of which brings it into force, then `resting` ones. Of a change of ice
+/// all steps are at rest, and each part comes before `stepsOfIce` of them.
 struct SampleCall {
-	std::uint64_t place; ///< address
+	std::uint64_t place;       ///< address
+	std::uint64_t formerPlace; ///< whence it is to be brought first, or 0
 	double        velGrad[9];
 	double        hSize[9], trsf[9];
 	double        norm, strainRate; ///< of the velocity gradient [1/s]
 	double        dt, damping, friction, bondFriction, stiffnessRatio;
 	double        iceRatio, tensileStrength, shearStrength, thickness;
-	double        formerIceRatio;                                                  ///< before the steps, where the ice changes
 	double        skin, travel, stretch, largestRadius, smallestRadius;            ///< see PackedListUse
-	double        meanRadius, young, bondAreaFactor;                               ///< for new lists
+	double        meanRadius, young, bondAreaFactor, bondRange;                    ///< for new lists and bonds
 	std::int32_t  grains, pairs, inside, images, moving, resting, thawed, tangent; ///< images >= 1: the first one moves the cell
-	std::int32_t  changesIce; ///< bonds follow the ice from formerIceRatio to iceRatio before the steps
+	std::int32_t  iceParts, stepsOfIce;
+	std::int32_t  carries;      ///< the processor would carry bonds, intact, broken or gone
+	std::int32_t  bondsOutlast; ///< their ice
+	std::int32_t  formerPairs;  ///< length of the rows of the former place, which is bonded where this one is not
+	std::int32_t  unused;
 };
 
 /// What came of it.
@@ -82,6 +98,9 @@ struct SampleAnswer {
 	std::int32_t  pairs, inside, images; ///< of the lists of now
 	std::uint32_t bonds;                 ///< pairs that are or were bonded
 	std::uint32_t unsound;               ///< numbers that are not finite, or overlaps of more than a radius
+	std::uint32_t bondsFormed, bondsMelted;
+	std::uint32_t carries;     ///< as in the call, afterwards
+	std::uint32_t awaitsBonds; ///< bonds of the last part of the ice are for the host to form
 };
 
 /// Sums of (13.4) that make a tangent: of second order, then of fourth order.
@@ -90,6 +109,7 @@ constexpr int tangentSums(int dimension) { return dimension == 2 ? 3 + 6 : 6 + 2
 /// A launch: `order` names the calls of its blocks. The sums of a tangent are written where a call asks for it.
 struct KernelArguments {
 	const SampleCall*    calls;
+	const IcePart*       ice; ///< mostIceParts of each call; nullptr where no ice changes
 	SampleAnswer*        answers;
 	double*              tangents;
 	const std::uint32_t* order;

@@ -74,12 +74,16 @@ template <int Dim> std::string SampleImage<Dim>::reasonAgainst() const
 
 template <int Dim> PlaceLayout SampleImage<Dim>::layout() const
 {
-	const int   grains = int(workspace.grainCount), pairs = int(workspace.innerLanes.pairs + workspace.periodicLanes.pairs);
+	return layoutOf(int(workspace.grainCount), int(workspace.innerLanes.pairs + workspace.periodicLanes.pairs), workspace.carriesBonds);
+}
+
+template <int Dim> PlaceLayout SampleImage<Dim>::layoutOf(int grains, int pairs, bool bonded)
+{
 	const int   wanted  = int(std::max((1 + sparePairs) * pairs, pairsOfAGrain<Dim> * grains)) / pairStep + 1;
 	const auto& kernels = sampleKernels();
-	const auto  roomy   = PlaceLayout::of(Dim, grains, wanted * pairStep, workspace.carriesBonds);
+	const auto  roomy   = PlaceLayout::of(Dim, grains, wanted * pairStep, bonded);
 	if (std::any_of(kernels.begin(), kernels.end(), [&](const KernelShape& k) { return k.holds(roomy); })) return roomy;
-	return PlaceLayout::of(Dim, grains, (pairs / pairStep + 1) * pairStep, workspace.carriesBonds);
+	return PlaceLayout::of(Dim, grains, (pairs / pairStep + 1) * pairStep, bonded);
 }
 
 template <int Dim> void SampleImage<Dim>::write(const PlaceLayout& l, std::vector<unsigned char>& bytes) const
@@ -168,6 +172,8 @@ template <int Dim> SampleCall SampleImage<Dim>::call() const
 	c.meanRadius      = workspace.averageRadius;
 	c.young           = workspace.base.ice.young;
 	c.bondAreaFactor  = workspace.base.ice.bondAreaFactor;
+	c.bondRange       = workspace.base.ice.bondRange;
+	c.bondsOutlast    = workspace.base.ice.bondsOutlastIce();
 	c.grains          = std::int32_t(workspace.grainCount);
 	c.inside          = std::int32_t(workspace.innerLanes.pairs);
 	c.pairs           = c.inside + std::int32_t(workspace.periodicLanes.pairs);
@@ -179,7 +185,7 @@ template <int Dim> SampleCall SampleImage<Dim>::call() const
 template <int Dim>
 void SampleImage<Dim>::take(
         const PlaceLayout& l, const std::vector<unsigned char>& bytes, const SampleCall& call, const PackedParameters<Dim>& parameters,
-        std::shared_ptr<const PackedGrains> grains, const PackedListUse<Dim>& use)
+        std::shared_ptr<const PackedGrains> grains, const PackedListUse<Dim>& use, bool carriesBonds)
 {
 	const Rows<Dim, const unsigned char> rows(l, bytes.data());
 	PackedState<Dim>                     state;
@@ -191,7 +197,7 @@ void SampleImage<Dim>::take(
 	takePairs(rows, l, call, state.contacts, lists);
 	workspace.setStrengthFactors({});
 	workspace.load(state, &lists);
-	workspace.carryBonds(l.bonded); // they may all be gone: the next update finds out
+	workspace.carryBonds(carriesBonds); // they may all be gone: the next update finds out
 }
 
 template <int Dim> template <class Out> void SampleImage<Dim>::takeGrains(const Out& rows, int grains, PackedState<Dim>& state, PackedLists<Dim>& lists)

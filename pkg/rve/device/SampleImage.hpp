@@ -16,16 +16,21 @@ public:
 
 	/// Why no kernel can advance this sample with the bits of the processor, or nothing.
 	std::string reasonAgainst() const;
+	/// Bonds are going to form: the place has room for them.
+	void        makeRoomForBonds() { workspace.carryBonds(true); }
+	bool        carriesBonds() const { return workspace.carriesBonds; }
 	PlaceLayout layout() const;
-	void        write(const PlaceLayout&, std::vector<unsigned char>& bytes) const;
+	/// With room for lists of so many pairs and for some more.
+	static PlaceLayout layoutOf(int grains, int pairs, bool bonded);
+	void               write(const PlaceLayout&, std::vector<unsigned char>& bytes) const;
 	/// What calls of this sample have in common: all but place, velocity gradient and steps.
 	SampleCall call() const;
 
-	/// The workspace takes a sample from the bytes of its place, with the lists that the call has last seen; the parameters and the use of the lists
-	/// are not in the bytes.
+	/// The workspace takes a sample from the bytes of its place, with the lists that the call has last seen; the parameters, the use of the lists and
+	/// whether it carries bonds are not in the bytes.
 	void take(
 	        const PlaceLayout&, const std::vector<unsigned char>& bytes, const SampleCall& call, const PackedParameters<Dim>& parameters,
-	        std::shared_ptr<const PackedGrains> grains, const PackedListUse<Dim>& use);
+	        std::shared_ptr<const PackedGrains> grains, const PackedListUse<Dim>& use, bool carriesBonds);
 
 	const PackedListUse<Dim>& listUse() const { return workspace.use; }
 

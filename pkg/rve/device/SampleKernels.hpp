@@ -3,6 +3,7 @@
 // law, failure of bonds and order of all sums are those of the packed samples: pkg/icebond/ContactForces.hpp and IceBond.hpp as they are, sums
 // of a grain in the order of the keys of its pairs, those inside the cell first.
 #pragma once
+#include <pkg/rve/device/SampleIce.hpp>
 #include <pkg/rve/device/SampleLists.hpp>
 #include <pkg/rve/device/SampleMemory.hpp>
 
@@ -19,41 +20,6 @@ namespace N_ONE {
 
 	/// 1 or -1
 	HWY_INLINE One signOf(int negative) { return { negative ? -1. : 1. }; }
-
-	/// A shear force in space as IceBond::settle wants it.
-	struct PlainVector {
-		double     v[3];
-		TALIK_CARD PlainVector() {}
-		TALIK_CARD explicit PlainVector(const InSpace<One>& s)
-		        : v { s.x.value, s.y.value, s.z.value }
-		{}
-		TALIK_CARD InSpace<One> inSpace() const { return { { v[0] }, { v[1] }, { v[2] } }; }
-		TALIK_CARD void         setZero() { v[0] = v[1] = v[2] = 0; }
-		TALIK_CARD PlainVector& operator*=(double f)
-		{
-			for (double& c : v)
-				c *= f;
-			return *this;
-		}
-		TALIK_CARD PlainVector& operator-=(const PlainVector& other)
-		{
-			for (int d = 0; d < 3; ++d)
-				v[d] -= other.v[d];
-			return *this;
-		}
-		TALIK_CARD PlainVector& operator+=(const PlainVector& other)
-		{
-			for (int d = 0; d < 3; ++d)
-				v[d] += other.v[d];
-			return *this;
-		}
-		TALIK_CARD friend PlainVector operator*(PlainVector a, double f) { return a *= f; }
-		TALIK_CARD friend double      shearNorm(const PlainVector& s) { return __builtin_sqrt(s.v[0] * s.v[0] + s.v[1] * s.v[1] + s.v[2] * s.v[2]); }
-	};
-	HWY_INLINE double      plainShear(One s) { return s.value; }
-	HWY_INLINE PlainVector plainShear(const InSpace<One>& s) { return PlainVector(s); }
-	HWY_INLINE One         shearOf(double s) { return { s }; }
-	HWY_INLINE InSpace<One> shearOf(const PlainVector& s) { return s.inSpace(); }
 
 	/// A bond at its limit: forces of this step, and the contact from now on.
 	template <int Dim, class PlainShear>
@@ -87,20 +53,6 @@ namespace N_ONE {
 		f.normal   = { forces.normal };
 		f.shear    = shearOf(forces.shear);
 		f.iceShear = shearOf(forces.iceShear);
-	}
-
-	/// A bond at an overlap whose ice has changed, as PackedWorkspace::setIceSaturation changes it: neither new nor melted.
-	template <int Dim, class PlainShear>
-	TALIK_CARD __attribute__((noinline)) void changeIce(
-	        const SampleCall& call, const Place<Dim, true>& place, int p, double overlap, PlainShear& shear, PlainShear& iceShear)
-	{
-		IceBond          bond = place.iceBond(p);
-		ContactStiffness k = place.contactStiffness(call, p), former = k;
-		former.iceRatio = call.formerIceRatio;
-		if (bond.hasIceSpring()) bond.changeStiffness(former, k, overlap, shear, iceShear);
-		else clearShear(iceShear);
-		place.setBond(p, bond);
-		place.setResponse(p, bond.response(k, place.strength(call, p)));
 	}
 
 	/// What the law needs of a pair, kept by its thread.
@@ -180,14 +132,15 @@ namespace N_ONE {
 		TALIK_CARD static inline TALIK_INLINED void block(const KernelArguments& a, int number, unsigned char* memory)
 		{
 			const std::uint32_t k = a.order[number];
-			sample(a.calls[k], a.answers[k], a.tangents + std::size_t(tangentSums(Dim)) * k, a.layout, memory);
+			sample(a.calls[k], a.ice + std::size_t(mostIceParts) * k, a.answers[k], a.tangents + std::size_t(tangentSums(Dim)) * k, a.layout,
+			       memory);
 		}
 
 		TALIK_CARD static inline TALIK_INLINED void sample(
-		        const SampleCall& given, SampleAnswer& answer, double* sums, const PlaceLayout& layout, unsigned char* memory)
+		        const SampleCall& given, const IcePart* ice, SampleAnswer& answer, double* sums, const PlaceLayout& layout, unsigned char* memory)
 		{
 			const Shared<Dim> s(memory, layout);
-			const At          place(given, layout);
+			const At          place(given.place, layout);
 			Fixed<Dim>&       fixed = s.fixed;
 			SampleCall&       call  = fixed.call;
 			Kernel            kernel;
@@ -199,15 +152,23 @@ namespace N_ONE {
 				if (t != 0) return;
 				fixed.most[0] = fixed.most[1] = fixed.most[2] = 0;
 				fixed.brokenInTension = fixed.brokenInShear = fixed.bonds = fixed.unsound = fixed.lists = 0;
+				fixed.bondsFormed = fixed.bondsMelted = 0;
+				fixed.carries                         = std::uint32_t(given.carries);
 			});
+			if (call.formerPlace) bringFromFormerPlace<Dim, Bonded>(place, call, Threads);
 			const int total = call.moving + call.resting;
 			ListUse   use { call.travel, call.stretch };
-			int       step = 0;
-			for (bool begins = true;; begins = false) {
+			int       step = 0, part = 0; // of the ice
+			bool      forms = false;      // bonds of the part that has just come into force
+			for (;;) {
 				take(kernel, call, s, place, step);
-				if constexpr (Bonded)
-					if (begins && call.changesIce) together<Threads>([&](int t) TALIK_INLINED { changeIceOf(kernel, t, s, place, call); });
-				for (; step < total && !use.exhausted(call); ++step) {
+				if (part < call.iceParts && step == part * call.stepsOfIce) {
+					NewIce<Dim, Bonded>::follow(s, place, call, ice[part], Threads);
+					forms = ice[part++].forms != 0 && Bonded;
+					if (!forms) continue;
+				}
+				const int until = forms ? step : part < call.iceParts ? part * call.stepsOfIce : total;
+				for (; step < until && !use.exhausted(call); ++step) {
 					together<Threads>([&](int t) TALIK_INLINED {
 						if (t == 0) fixed.most[(step + 1) % 3] = 0;
 						kernel.contacts(t, s, place, call);
@@ -224,9 +185,13 @@ namespace N_ONE {
 					use.add(call, step < call.moving, fixed.most[step % 3]);
 				}
 				if (step == total) stress(call, s, place, answer);
-				together<Threads>([&](int t) TALIK_INLINED { kernel.store(t, s, place, call); });
-				if (step == total || !newLists(call, s, place, step)) break;
+				if (!forms) together<Threads>([&](int t) TALIK_INLINED { kernel.store(t, s, place, call); });
+				if (step == total) break;
+				if (step == until && !forms) continue; // with the next part of the ice
+				if (!newLists(call, s, place, step, forms ? ice[part - 1].bondSkin : 0.)) break;
 				use = { 0, 0 };
+				if (forms) NewIce<Dim, Bonded>::form(s, place, call, fixed.cell[step & 1], Threads);
+				forms = false;
 			}
 			// lists that are used up before the end leave the cell one step ahead
 			const int last = step > 0 ? (step - 1) & 1 : 0;
@@ -261,6 +226,10 @@ namespace N_ONE {
 				answer.brokenInShear   = fixed.brokenInShear;
 				answer.bonds           = fixed.bonds;
 				answer.unsound         = fixed.unsound;
+				answer.bondsFormed     = fixed.bondsFormed;
+				answer.bondsMelted     = fixed.bondsMelted;
+				answer.carries         = fixed.carries;
+				answer.awaitsBonds     = forms;
 			});
 		}
 
@@ -290,7 +259,7 @@ namespace N_ONE {
 		}
 
 		/// Before a step that needs them, of a sample that has been stored. False where it is not sound, or the host must.
-		TALIK_CARD static inline TALIK_INLINED bool newLists(SampleCall& call, const Shared<Dim>& s, const At& place, int step)
+		TALIK_CARD static inline TALIK_INLINED bool newLists(SampleCall& call, const Shared<Dim>& s, const At& place, int step, double leastSkin)
 		{
 			Fixed<Dim>& fixed = s.fixed;
 			together<Threads>([&](int t) TALIK_INLINED {
@@ -308,7 +277,7 @@ namespace N_ONE {
 			});
 			checkPairs(call, s, place);
 			if (fixed.unsound) return false;
-			return NewLists<Dim, Bonded>::of(s, place, call, Threads, fixed.cell[step & 1], Gradients<Dim>(call, step));
+			return NewLists<Dim, Bonded>::of(s, place, call, Threads, fixed.cell[step & 1], Gradients<Dim>(call, step), leastSkin);
 		}
 
 		/// Love-Weber: sum of G (x) x over grains, less that of the images.
@@ -344,40 +313,6 @@ namespace N_ONE {
 			});
 		}
 
-		/// Overlap of a pair as PackedWorkspace::geometry() has it.
-		HWY_INLINE static void changeIceOf(Kernel& kernel, int t, const Shared<Dim>& s, const At& place, const SampleCall& call)
-		{
-			TALIK_UNROLL for (int k = 0; k < Kernel::Pairs; ++k)
-			{
-				const int p = k * Threads + t;
-				if (p >= call.pairs) continue;
-				auto ofAll = plainShear(kernel.shear(t, k)), ofIce = plainShear(kernel.ice(t, k));
-				changeIce<Dim>(call, place, p, overlapOf(s, place, p), ofAll, ofIce);
-				kernel.shear(t, k)     = shearOf(ofAll);
-				kernel.ice(t, k)       = shearOf(ofIce);
-				kernel.constants(t, k) = constantsOf<Dim, true>(place, p);
-			}
-		}
-
-		HWY_INLINE static double overlapOf(const Shared<Dim>& s, const At& place, int p)
-		{
-			double branch[Dim];
-			return place.pair(At::sumRadius, p) - __builtin_sqrt(branchOf(s, place, p, branch));
-		}
-
-		/// Branch of a pair and its square, as pairBranch() of the packed samples has it.
-		HWY_INLINE static double branchOf(const Shared<Dim>& s, const At& place, int p, double* branch)
-		{
-			const std::uint32_t code   = place.index(p);
-			double              square = 0;
-			for (int d = 0; d < Dim; ++d) {
-				branch[d] = positionOf(s, int(code >> 12 & 0xfff), d).value - positionOf(s, int(code & 0xfff), d).value;
-				if (code >> 24) branch[d] += s.fixed.image[(code >> 24) - 1].place[d];
-				square += branch[d] * branch[d];
-			}
-			return square;
-		}
-
 		/// Overlaps of more than a radius.
 		TALIK_CARD static inline TALIK_INLINED void checkPairs(const SampleCall& call, const Shared<Dim>& s, const At& place)
 		{
@@ -409,11 +344,12 @@ namespace N_ONE {
 					for (int d = 0; d < Dim; ++d)
 						n[d] /= distance;
 					bool bears = !(square > sum * sum || overlap < 0);
-					if constexpr (Bonded) {
-						const IceBond bond = place.iceBond(p).relaxed(overlap);
-						bears              = !(overlap < 0 && !bond.intact());
-						stiffness          = bond.response(place.contactStiffness(call, p), place.strength(call, p)).stiffness;
-					}
+					if constexpr (Bonded)
+						if (s.fixed.carries) {
+							const IceBond bond = place.iceBond(p).relaxed(overlap);
+							bears              = !(overlap < 0 && !bond.intact());
+							stiffness          = bond.response(place.contactStiffness(call, p), place.strength(call, p)).stiffness;
+						}
 					const double factor = distance * distance * stiffness / volume;
 					s.ofPair(0, p)      = { { bears ? factor : 0. }, { n[0] } };
 					s.ofPair(1, p)      = { { n[1] }, { n[2] } };

@@ -287,14 +287,15 @@ namespace N_ONE {
 		}
 
 		/// before: the lists, in force or not. False where the host must: no room, or a grain out of reach. cell: of the next step.
-		HWY_INLINE bool build(const double* cell, const Gradients<Dim>& l)
+		HWY_INLINE bool build(const double* cell, const Gradients<Dim>& l, double leastSkin)
 		{
 			together(threads, [&](int t) TALIK_INLINED {
 				bool moves = false;
 				TALIK_UNROLL for (int k = 0; k < Dim * Dim; ++k) moves |= l.now[k] != 0 || l.next[k] != 0;
 				const double strained = ListSkins::stepsOfLists * call.dt * call.largestRadius * (moves ? call.strainRate : 0.);
 				const double least = ListSkins::leastOverRadius * call.meanRadius, largest = ListSkins::largestOverRadius * call.meanRadius;
-				const double wanted = strained < least ? least : strained, skin = wanted < largest ? wanted : largest;
+				const double wanted = strained < least ? least : strained, bounded = wanted < largest ? wanted : largest;
+				const double skin = bounded < leastSkin ? leastSkin : bounded;
 				double       inverse[Dim * Dim];
 				invert(cell, inverse);
 				for (int g = t; g < call.grains; g += threads)
@@ -448,9 +449,9 @@ namespace N_ONE {
 	public:
 		/// Builds the lists of a sample that has been stored into its place, for the steps from the cell on. False where the host must.
 		TALIK_CARD static __attribute__((noinline)) bool of(
-		        const Shared<Dim>& s, const At& place, SampleCall& call, int threads, const double* cell, const Gradients<Dim>& l)
+		        const Shared<Dim>& s, const At& place, SampleCall& call, int threads, const double* cell, const Gradients<Dim>& l, double leastSkin)
 		{
-			return NewLists(s, place, call, threads).build(cell, l);
+			return NewLists(s, place, call, threads).build(cell, l, leastSkin);
 		}
 	};
 

@@ -100,8 +100,8 @@ namespace N_ONE {
 		unsigned char* const base;
 		const int            grains, pairs;
 		const PlaceLayout&   layout;
-		HWY_INLINE           Place(const SampleCall& call, const PlaceLayout& l)
-		        : base(reinterpret_cast<unsigned char*>(call.place))
+		HWY_INLINE           Place(std::uint64_t address, const PlaceLayout& l)
+		        : base(reinterpret_cast<unsigned char*>(address))
 		        , grains(l.grains)
 		        , pairs(l.pairs)
 		        , layout(l)
@@ -114,6 +114,7 @@ namespace N_ONE {
 		HWY_INLINE std::uint16_t start(int g) const { return reinterpret_cast<const std::uint16_t*>(base + layout.start)[g]; }
 		HWY_INLINE std::uint8_t& bond(int p) const { return base[layout.bond + p]; }
 		HWY_INLINE std::int8_t image(int k) const { return reinterpret_cast<const std::int8_t*>(base + layout.images)[k]; }
+		HWY_INLINE void        setRadius(int g, double r) const { motion(motionRows + radius, g) = r; }
 		HWY_INLINE void        setSlack(int g, int slack) const { motion(motionRows + inverseSlackSquare, g) = 1. / double(1u << 2 * slack); }
 		HWY_INLINE void        setIndex(int p, std::uint32_t code) const { reinterpret_cast<std::uint32_t*>(base + layout.index)[p] = code; }
 		HWY_INLINE void        setIncidence(int e, std::uint16_t code) const { reinterpret_cast<std::uint16_t*>(base + layout.incidence)[e] = code; }
@@ -154,6 +155,9 @@ namespace N_ONE {
 		Image<Dim>    image[mostImages];
 		std::uint64_t most[3]; ///< largest departure from the affine motion of a step, squared, as bits
 		std::uint32_t brokenInTension, brokenInShear, bonds, unsound;
+		// of changes of ice; someBond: a pair is or was bonded
+		double        formerIceRatio;
+		std::uint32_t bondsFormed, bondsMelted, formed, someBond, carries;
 		// of new lists: pairs found inside the cell and across it, distant bonds that are kept, images, whether the host must, how often
 		double        skin;
 		std::uint32_t found[2], kept[2], images, noLists, lists;

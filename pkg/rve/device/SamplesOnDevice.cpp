@@ -70,6 +70,7 @@ SampleOnDevice<Dim>::SampleOnDevice(std::shared_ptr<DeviceMemory> of, Compact st
 template <int Dim> SampleOnDevice<Dim>::~SampleOnDevice()
 {
 	if (place) memory->giveBack(layout, place);
+	if (formerPlace) memory->giveBack(formerLayout, formerPlace);
 }
 
 template <int Dim> bool SampleOnDevice<Dim>::fetch(std::vector<unsigned char>& bytes) const
@@ -88,7 +89,7 @@ template <int Dim> bool SampleOnDevice<Dim>::fetch(std::vector<unsigned char>& b
 
 template <int Dim> void SampleOnDevice<Dim>::takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
 {
-	SampleImage<Dim>(workspace).take(layout, bytes, common, now, grains, use);
+	SampleImage<Dim>(workspace).take(layout, bytes, common, now, grains, use, carries);
 }
 
 template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::settled(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
@@ -220,52 +221,83 @@ template <int Dim> bool SamplesOnDevice<Dim>::makeAway(Task& task, Worker& worke
 	}
 	task.away                 = std::make_shared<SampleOnDevice<Dim>>(memory, task.home);
 	SampleOnDevice<Dim>& away = *task.away;
-	away.use                  = image.listUse();
-	away.layout               = image.layout();
-	away.common               = image.call();
-	away.grains               = worker.state.grains;
-	away.meanRadius           = workspace.meanRadius();
-	task.isNew                = true;
+	away.bonded               = image.carriesBonds();
+	if (away.now.ice.formsBonds(away.now.iceSaturation, task.request->iceSaturation)) image.makeRoomForBonds();
+	away.use        = image.listUse();
+	away.layout     = image.layout();
+	away.common     = image.call();
+	away.grains     = worker.state.grains;
+	away.meanRadius = workspace.meanRadius();
+	task.isNew      = true;
 	if (!planCall(task)) return false;
 	image.write(away.layout, task.rare().bytes);
 	return true;
 }
 
-template <int Dim> bool SamplesOnDevice<Dim>::planCall(Task& task)
+/// Ice saturation after a part of its change.
+template <int Dim> double SamplesOnDevice<Dim>::iceAfter(const Task& task, long part) const
 {
-	const bool ice = task.request->iceSaturation != task.away->now.iceSaturation, moves = !task.request->displacementGradient.isZero(0);
-	if (!(ice ? planIce(task) : planMotion(task))) return false;
-	task.stepBefore = task.away->now.step;
-	task.stage      = ice && moves ? Task::ice : Task::begun;
-	return true;
+	return iceAfterPart(task.iceFrom, task.request->iceSaturation, part, task.partsAll);
 }
 
-/// A change in one part that neither forms nor melts bonds, nor shrinks grains: bonds follow the ice, and steps at rest come after.
+template <int Dim> bool SamplesOnDevice<Dim>::planCall(Task& task)
+{
+	SampleOnDevice<Dim>& away   = *task.away;
+	const double         target = task.request->iceSaturation;
+	task.iceFrom                = away.now.iceSaturation;
+	task.stepBefore             = away.now.step;
+	const long parts            = partsOfIce(task.iceFrom, target, given.saturationIncrement);
+	if (parts > 0 ? given.stepsPerSaturation < 1 : task.request->displacementGradient.isZero(0)) return false;
+	task.partsAll    = std::int32_t(parts);
+	away.carries     = away.bonded;
+	const bool bonds = away.bonded || away.now.ice.formsBonds(task.iceFrom, target);
+	if (!task.isNew && bonds != (away.layout.bonded != 0)) {
+		task.changesPlace = true;
+		task.rare().next  = SampleImage<Dim>::layoutOf(away.common.grains, away.common.pairs, bonds);
+	}
+	return parts > 0 ? planIce(task) : planMotion(task);
+}
+
+/// The next parts of a change of ice, as PackedWorkspace::setIceSaturation has them.
 template <int Dim> bool SamplesOnDevice<Dim>::planIce(Task& task)
 {
-	const SampleOnDevice<Dim>&   away   = *task.away;
-	const PackedParameters<Dim>& now    = away.now;
-	const IceBondModel&          ice    = now.ice;
-	const double                 target = task.request->iceSaturation, from = now.iceSaturation;
-	if (std::ceil(std::fabs(target - from) / given.saturationIncrement - 1e-9) != 1 || given.stepsPerSaturation < 1) return false;
-	if (ice.formsBonds(from, target) || now.thawStrain.thawStrain != 0) return false;
-	if (away.layout.bonded && (ice.melted(from) || ice.melted(target))) return false;
-	SampleCall& call     = *task.call;
-	call                 = away.common;
-	call.place           = away.place;
-	call.formerIceRatio  = call.iceRatio;
-	call.iceRatio        = ice.iceStiffnessRatio(target);
-	call.tensileStrength = ice.tensileStrengthAt(target);
-	call.shearStrength   = ice.shearStrengthAt(target);
-	call.thawed          = ice.melted(target);
-	call.changesIce      = 1;
-	copyMatrix<Dim>(now.hSize, call.hSize);
-	copyMatrix<Dim>(now.trsf, call.trsf);
-	call.dt      = now.dt;
-	call.travel  = away.use.travel;
-	call.stretch = away.use.stretch;
-	call.resting = std::int32_t(given.stepsPerSaturation);
-	call.tangent = given.tangent && task.request->displacementGradient.isZero(0);
+	const SampleOnDevice<Dim>& away   = *task.away;
+	const IceBondModel&        model  = away.now.ice;
+	PackedThawStrain           thaw   = away.now.thawStrain;
+	double                     factor = away.now.radiusFactor, before = away.now.iceSaturation;
+	PackedRadiiInAll           radii { away.common.largestRadius, away.common.smallestRadius, away.meanRadius };
+	const int                  parts = std::min(mostIceParts, task.partsAll - task.partsDone);
+	for (int k = 0; k < parts; ++k) {
+		const double now = iceAfter(task, task.partsDone + k + 1);
+		if (grainsShrink<Dim>(thaw, factor, before, now)) radii = radiiInAll(*away.grains, factor);
+		IcePart& part        = task.parts[k];
+		part.iceRatio        = model.iceStiffnessRatio(now);
+		part.tensileStrength = model.tensileStrengthAt(now);
+		part.shearStrength   = model.shearStrengthAt(now);
+		part.radiusFactor    = factor;
+		part.largestRadius   = radii.largest;
+		part.smallestRadius  = radii.smallest;
+		part.meanRadius      = radii.mean;
+		part.bondSkin        = 0.5 * bondingReach(model, radii.largest);
+		part.melted          = model.melted(now);
+		part.forms           = !part.melted && model.formsBondsEver() && model.formsBonds(before, now);
+		before               = now;
+	}
+	const bool  last = task.partsDone + parts == task.partsAll, moves = !task.request->displacementGradient.isZero(0);
+	SampleCall& call = *task.call;
+	call             = away.common;
+	call.place       = away.place;
+	copyMatrix<Dim>(away.now.hSize, call.hSize);
+	copyMatrix<Dim>(away.now.trsf, call.trsf);
+	call.dt         = away.now.dt;
+	call.travel     = away.use.travel;
+	call.stretch    = away.use.stretch;
+	call.iceParts   = parts;
+	call.stepsOfIce = std::int32_t(given.stepsPerSaturation);
+	call.resting    = parts * call.stepsOfIce;
+	call.carries    = away.carries;
+	call.tangent    = given.tangent && last && !moves;
+	task.stage      = last && !moves ? Task::begun : Task::ice;
 	return true;
 }
 
@@ -299,7 +331,9 @@ template <int Dim> bool SamplesOnDevice<Dim>::planMotion(Task& task)
 	call.stretch    = away.use.stretch;
 	call.moving     = std::int32_t(moving);
 	call.resting    = std::int32_t(stepsToRest(rest, dt));
+	call.carries    = away.carries;
 	call.tangent    = given.tangent;
+	task.stage      = Task::begun;
 	return true;
 }
 
@@ -319,31 +353,50 @@ template <int Dim> void SamplesOnDevice<Dim>::plan(Task& task, Worker& worker)
 	if (task.isNew) task.away.reset();
 }
 
+/// A place for a sample that is new, or that is brought from its former one by its call. One without bonds may stay where it is.
+template <int Dim> bool SamplesOnDevice<Dim>::findPlace(Task& task)
+{
+	SampleOnDevice<Dim>& away = *task.away;
+	const PlaceLayout    next = task.isNew ? away.layout : task.aside->next;
+	if (memory->device().memoryOfBlock() < memoryOfBlock(next)) {
+		task.rare().refusal = "more grains than a block of this card has memory for";
+		return false;
+	}
+	const auto place = memory->take(next);
+	if (!place) return !task.isNew && !next.bonded;
+	if (task.isNew) {
+		memory->device().copyIn(place, task.aside->bytes.data(), task.aside->bytes.size());
+		task.aside->bytes.clear();
+	} else {
+		away.formerLayout      = away.layout;
+		away.formerPlace       = away.place;
+		task.call->formerPlace = away.formerPlace;
+		task.call->formerPairs = away.formerLayout.pairs;
+		away.layout            = next;
+	}
+	away.place = task.call->place = place;
+	return true;
+}
+
 template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks, Part part)
 {
 	std::map<std::size_t, std::size_t> wanted; // by size
+	const auto layoutWanted = [](const Task& task) -> const PlaceLayout& { return task.isNew ? task.away->layout : task.aside->next; };
+	const auto needsPlace   = [](const Task& task) { return task.underWay() && (task.isNew || task.changesPlace); };
 	for (std::size_t t = part.begin; t < part.end; ++t)
-		if (tasks[t].underWay() && tasks[t].isNew) ++wanted[DeviceMemory::sizeOf(tasks[t].away->layout)];
+		if (needsPlace(tasks[t])) ++wanted[DeviceMemory::sizeOf(layoutWanted(tasks[t]))];
 	for (const auto& [size, number] : wanted)
 		memory->reserve(size, number);
 	std::size_t without = 0, each = 0;
 	for (std::size_t t = part.begin; t < part.end; ++t) {
 		Task& task = tasks[t];
-		if (!task.underWay() || !task.isNew) continue;
-		SampleOnDevice<Dim>& away = *task.away;
-		if (memory->device().memoryOfBlock() < memoryOfBlock(away.layout)) {
-			task.rare().refusal = "more grains than a block of this card has memory for";
-		} else if (const auto place = memory->take(away.layout)) {
-			away.place = task.call->place = place;
-			memory->device().copyIn(place, task.aside->bytes.data(), task.aside->bytes.size());
-			task.aside->bytes.clear();
-			continue;
-		} else {
+		if (!needsPlace(task) || findPlace(task)) continue;
+		if (task.rare().refusal.empty()) {
 			++without;
-			each = std::max(each, std::size_t(away.layout.bytes));
+			each = std::max(each, std::size_t(layoutWanted(task).bytes));
 		}
 		task.stage = Task::processor;
-		task.away.reset();
+		if (task.isNew) task.away.reset();
 	}
 	if (without && !toldOfMemory)
 		memory->tell(
@@ -354,14 +407,16 @@ template <int Dim> void SamplesOnDevice<Dim>::placeAll(std::vector<Task>& tasks,
 }
 
 /// A launch for each layout. Calls and answers lie in the order of the tasks.
-template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks, Part part, typename Task::Stage stage)
+template <int Dim> bool SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks, Part part, typename Task::Stage stage)
 {
 	launched           = 0;
 	std::size_t number = 0, last = 0;
+	bool        iceChanges = false;
 	for (std::size_t t = part.begin; t < part.end; ++t) {
 		Task& task = tasks[t];
 		if (task.stage != stage) continue;
-		task.answer               = nullptr;
+		task.answer = nullptr;
+		iceChanges |= task.call->iceParts > 0;
 		const PlaceLayout& layout = task.away->layout;
 		if (launched == 0 || !(launches[last].layout == layout))
 			for (last = 0; last < launched && !(launches[last].layout == layout);)
@@ -374,7 +429,7 @@ template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks
 		launches[last].calls.push_back(std::uint32_t(t));
 		++number;
 	}
-	if (number == 0) return;
+	if (number == 0) return false;
 	const std::size_t size = part.end - part.begin;
 	std::size_t       at   = part.begin;
 	for (std::size_t k = 0; k < launched; ++k)
@@ -382,12 +437,16 @@ template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks
 			static_cast<std::uint32_t*>(order.host)[at++] = call;
 	memory->device().useQueue(part.number);
 	memory->device().copyInLater(calls.at<SampleCall>(part.begin), calls.hostAt<SampleCall>(part.begin), size * sizeof(SampleCall));
+	if (iceChanges)
+		memory->device().copyInLater(
+		        ice.at<IcePart>(part.begin * mostIceParts), ice.hostAt<IcePart>(part.begin * mostIceParts), size * mostIceParts * sizeof(IcePart));
 	memory->device().copyInLater(order.at<std::uint32_t>(part.begin), order.hostAt<std::uint32_t>(part.begin), number * sizeof(std::uint32_t));
 	at = part.begin;
 	for (std::size_t k = 0; k < launched; ++k) {
 		const Launch&   launch = launches[k];
 		KernelArguments arguments {};
 		arguments.calls    = reinterpret_cast<const SampleCall*>(calls.address);
+		arguments.ice      = reinterpret_cast<const IcePart*>(ice.address);
 		arguments.answers  = reinterpret_cast<SampleAnswer*>(answers.address);
 		arguments.tangents = reinterpret_cast<double*>(tangents.address);
 		arguments.order    = reinterpret_cast<const std::uint32_t*>(order.address) + at;
@@ -400,6 +459,7 @@ template <int Dim> void SamplesOnDevice<Dim>::launchAll(std::vector<Task>& tasks
 	}
 	memory->device().copyOutLater(answers.hostAt<SampleAnswer>(part.begin), answers.at<SampleAnswer>(part.begin), size * sizeof(SampleAnswer));
 	if (given.tangent) memory->device().copyOutLater(tangents.hostAt<Tangent>(part.begin), tangents.at<Tangent>(part.begin), size * sizeof(Tangent));
+	return true;
 }
 
 /// The state that a sample has now, on the host.
@@ -458,13 +518,14 @@ template <int Dim> void SamplesOnDevice<Dim>::awaitAll(std::vector<Task>& tasks,
 	watch.add(went.receiving);
 }
 
-/// A change of ice is done, or has come to a halt; the motion is planned with the stress after it.
+/// Parts of a change of ice are done, or have come to a halt. After the last one the motion is planned, with the stress of now.
 template <int Dim> void SamplesOnDevice<Dim>::absorbIce(Task& task)
 {
-	task.iceSteps = task.call->resting - std::int32_t(task.answer->steps);
-	task.stage    = Task::halted;
+	task.stage = Task::halted;
 	absorb(task);
-	if (!task.answer->unsound && task.iceSteps == 0 && planMotion(task)) task.stage = Task::begun;
+	if (task.answer->unsound || task.answer->awaitsBonds || task.iceSteps > 0) return;
+	if (task.partsDone < task.partsAll) planIce(task);
+	else planMotion(task);
 }
 
 template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, const PackedUpdateOptions& options, int threads)
@@ -478,8 +539,11 @@ template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, co
 			answers                 = memory->buffer(1, count * sizeof(SampleAnswer));
 			tangents                = memory->buffer(2, given.tangent ? count * sizeof(Tangent) : sizeof(Tangent));
 			order                   = memory->buffer(3, count * sizeof(std::uint32_t));
-			for (std::size_t t = 0; t < count; ++t)
-				tasks[t].call = calls.hostAt<SampleCall>(t);
+			ice                     = memory->buffer(4, count * mostIceParts * sizeof(IcePart));
+			for (std::size_t t = 0; t < count; ++t) {
+				tasks[t].call  = calls.hostAt<SampleCall>(t);
+				tasks[t].parts = ice.hostAt<IcePart>(t * mostIceParts);
+			}
 			// changes of ice come first: a part with some waits for them
 			parts                 = partsOf(count);
 			const auto changesIce = [](const Task& task) { return task.stage == Task::ice; };
@@ -488,12 +552,13 @@ template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, co
 				        tasks, part, threads, [](const Task&) { return true; }, [this](Task& task, Worker& worker) { plan(task, worker); });
 				watch.add(went.making);
 				placeAll(tasks, part);
-				launchAll(tasks, part, Task::ice);
-				watch.add(went.sending);
-				awaitAll(tasks, part, Task::ice);
-				watch.restart();
-				inParallel(tasks, part, threads, changesIce, [this](Task& task, Worker&) { absorbIce(task); });
-				watch.add(went.making);
+				while (launchAll(tasks, part, Task::ice)) {
+					watch.add(went.sending);
+					awaitAll(tasks, part, Task::ice);
+					watch.restart();
+					inParallel(tasks, part, threads, changesIce, [this](Task& task, Worker&) { absorbIce(task); });
+					watch.add(went.making);
+				}
 				launchAll(tasks, part, Task::begun);
 				watch.add(went.sending);
 			}
@@ -512,6 +577,29 @@ template <int Dim> void SamplesOnDevice<Dim>::begin(std::vector<Task>& tasks, co
 }
 
 // ---------------------------------------------------------------------------------------------- end
+
+/// The parts of a change of ice that have come into force, all of them or those before the device left the rest to the host.
+template <int Dim> void SamplesOnDevice<Dim>::absorbParts(Task& task)
+{
+	SampleOnDevice<Dim>&   away  = *task.away;
+	PackedParameters<Dim>& now   = away.now;
+	const SampleCall&      call  = *task.call;
+	const auto             steps = std::int32_t(task.answer->steps), parts = std::min(call.iceParts, steps / call.stepsOfIce + 1);
+	for (int k = 0; k < parts; ++k) {
+		const double before = now.iceSaturation;
+		now.iceSaturation   = iceAfter(task, ++task.partsDone);
+		if (grainsShrink<Dim>(now.thawStrain, now.radiusFactor, before, now.iceSaturation)) away.stepOfIce = -1;
+	}
+	task.iceSteps               = parts * call.stepsOfIce - steps;
+	const IcePart& last         = task.parts[parts - 1];
+	away.common.iceRatio        = last.iceRatio;
+	away.common.tensileStrength = last.tensileStrength;
+	away.common.shearStrength   = last.shearStrength;
+	away.common.thawed          = last.melted;
+	away.common.largestRadius   = last.largestRadius;
+	away.common.smallestRadius  = last.smallestRadius;
+	away.common.meanRadius = away.meanRadius = last.meanRadius;
+}
 
 /// Parameters and use of the lists as the device has left them.
 template <int Dim> void SamplesOnDevice<Dim>::absorb(Task& task)
@@ -535,13 +623,13 @@ template <int Dim> void SamplesOnDevice<Dim>::absorb(Task& task)
 	away.common.pairs                = answer.pairs;
 	away.common.inside               = answer.inside;
 	away.common.images               = answer.images;
-	if (call.changesIce) {
-		now.iceSaturation           = task.request->iceSaturation;
-		away.common.iceRatio        = call.iceRatio;
-		away.common.tensileStrength = call.tensileStrength;
-		away.common.shearStrength   = call.shearStrength;
-		away.common.thawed          = call.thawed;
-	}
+	now.bondsFormed += answer.bondsFormed;
+	now.bondsMelted += answer.bondsMelted;
+	away.bonded  = answer.bonds > 0;
+	away.carries = answer.carries != 0;
+	if (away.formerPlace) memory->giveBack(away.formerLayout, away.formerPlace);
+	away.formerPlace = 0;
+	if (call.iceParts > 0) absorbParts(task);
 	if (done < total) {
 		now.velGrad = now.prevVelGrad = done > 0 && done - 1 < call.moving ? matrixOf<Dim>(call.velGrad) : Matrix(Matrix::Zero());
 		return;
@@ -561,8 +649,7 @@ template <int Dim> void SamplesOnDevice<Dim>::take(Task& task)
 	PackedUpdateResult<Dim>&     result = *task.result;
 	absorb(task);
 	if (long(answer.steps) < task.call->moving + task.call->resting) return;
-	const bool gone = away.layout.bonded && answer.bonds == 0;
-	if (gone || flipIsDue<Dim>(now.hSize, given) || !isCompact<Dim>(now.hSize)) return;
+	if (flipIsDue<Dim>(now.hSize, given) || !isCompact<Dim>(now.hSize)) return;
 	const typename PackedTypes<Dim>::Matrix transposed = now.stress.transpose();
 	result.stress                                      = 0.5 * (now.stress + transposed);
 	result.steps                                       = long(now.step - task.stepBefore);
@@ -581,7 +668,7 @@ template <int Dim> void SamplesOnDevice<Dim>::take(Task& task)
 	task.stage   = Task::done;
 }
 
-/// What the device leaves to the host: lists that outgrow their place and the steps after them, a flip, a slip, bonds that are gone.
+/// What the device leaves to the host: lists that outgrow their place and the steps after them, a flip, a slip.
 template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
 {
 	SampleOnDevice<Dim>&      away      = *task.away;
@@ -599,9 +686,14 @@ template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
 		away.takeInto(workspace, task.aside->bytes);
 		const long done = long(task.answer->steps), total = call.moving + call.resting;
 		long       moving = call.moving;
-		if (task.stage == Task::halted) {
+		if (call.iceParts > 0) {
+			if (task.answer->awaitsBonds) workspace.bondAll();
 			workspace.run(task.iceSteps);
-			moving = SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(task.request->displacementGradient, away.now.iceSaturation);
+			while (task.partsDone < task.partsAll) {
+				workspace.setIceSaturation(iceAfter(task, ++task.partsDone));
+				workspace.run(given.stepsPerSaturation);
+			}
+			moving = SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(task.request->displacementGradient, workspace.iceSaturation());
 		} else if (done < total) {
 			workspace.setTimeStep(call.dt);
 			if (done < moving) {

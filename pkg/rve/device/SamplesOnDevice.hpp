@@ -54,8 +54,12 @@ private:
 	SampleCall                          common {}; ///< what its calls have in common
 	double                              meanRadius = 0;
 	double                              stepOfIce = -1, stepKnown = 0; ///< longest time step, of the ice saturation that it is known for
+	bool                                bonded  = false;               ///< some pairs are or were bonded
+	bool                                carries = false;               ///< the processor would carry bonds in the update of now, of which all may be gone
 	std::shared_ptr<const PackedGrains> grains;
 	std::uint64_t                       place = 0; ///< 0: none yet
+	PlaceLayout                         formerLayout {};
+	std::uint64_t                       formerPlace = 0; ///< whence a call under way brings it
 	std::mutex                          settling;
 	bool                                spoiled = false; ///< the device holds another state than that of now
 };
@@ -86,13 +90,18 @@ public:
 		struct Aside {
 			std::vector<unsigned char> bytes; ///< of its place
 			std::string                refusal;
+			PlaceLayout                next {}; ///< of the place that it is brought to
 		};
-		bool                   isNew      = false; ///< on the device
-		bool                   settles    = false; ///< the host is to keep its state of now
-		std::int32_t           iceSteps   = 0;     ///< that a halted one has still to do
-		std::uint32_t          lists      = 0;     ///< built there
+		bool                   isNew        = false;        ///< on the device
+		bool                   settles      = false;        ///< the host is to keep its state of now
+		bool                   changesPlace = false;        ///< bonds come, or all are gone
+		std::int32_t           partsDone = 0, partsAll = 0; ///< of the change of its ice
+		std::int32_t           iceSteps   = 0;              ///< that the last of them has still to do
+		double                 iceFrom    = 0;
+		std::uint32_t          lists      = 0; ///< built there
 		std::uint64_t          stepBefore = 0;
 		SampleCall*            call       = nullptr; ///< among those of its update
+		IcePart*               parts      = nullptr; ///< for its call
 		const SampleAnswer*    answer     = nullptr; ///< nullptr while there is none
 		const double*          tangent    = nullptr;
 		std::unique_ptr<Aside> aside;
@@ -135,10 +144,13 @@ private:
 	bool                                    planIce(Task&);
 	bool                                    planMotion(Task&);
 	void                                    placeAll(std::vector<Task>& tasks, Part);
-	void                                    launchAll(std::vector<Task>& tasks, Part, typename Task::Stage stage);
+	bool                                    findPlace(Task&);
+	bool                                    launchAll(std::vector<Task>& tasks, Part, typename Task::Stage stage);
 	void                                    awaitAll(std::vector<Task>& tasks, Part, typename Task::Stage stage);
 	void                                    absorbIce(Task&);
 	void                                    absorb(Task&);
+	void                                    absorbParts(Task&);
+	double                                  iceAfter(const Task&, long part) const;
 	void                                    fetch(Task&);
 	void                                    forgetBytes(Task&, bool spoiled);
 	void                                    leaveToProcessor(Task&, Worker&);
@@ -156,7 +168,7 @@ private:
 	std::vector<Launch>                  launches; ///< the first `launched` are under way
 	std::size_t                          launched = 0;
 	PackedUpdateOptions                  given; ///< of the update under way
-	Buffer                               calls, answers, tangents, order;
+	Buffer                               calls, answers, tangents, order, ice;
 	std::vector<Part>                    parts; ///< under way
 	DeviceUse                            went;
 	bool                                 toldOfMemory = false;

@@ -120,18 +120,28 @@ template <int Dim> double longestTimeStep(const PackedParameters<Dim>& parameter
 /// Radii follow the thaw strain; peripheral velocities follow the radii.
 template <int Dim> void PackedWorkspace<Dim>::scaleRadii()
 {
-	double* r      = radius.data()->value;
-	largestRadius  = 0;
-	averageRadius  = 0;
-	smallestRadius = grains->radius[0] * base.radiusFactor;
+	double* r = radius.data()->value;
 	for (std::size_t g = 0; g < grainCount; ++g) {
 		r[g] = grains->radius[g] * base.radiusFactor;
 		spinRim(g);
-		largestRadius  = std::max(largestRadius, r[g]);
-		smallestRadius = std::min(smallestRadius, r[g]);
-		averageRadius += r[g];
 	}
-	averageRadius /= double(grainCount);
+	const PackedRadiiInAll all = radiiInAll(*grains, base.radiusFactor);
+	largestRadius              = all.largest;
+	smallestRadius             = all.smallest;
+	averageRadius              = all.mean;
+}
+
+PackedRadiiInAll radiiInAll(const PackedGrains& grains, double factor)
+{
+	PackedRadiiInAll all { 0, grains.radius[0] * factor, 0 };
+	for (const double own : grains.radius) {
+		const double r = own * factor;
+		all.largest    = std::max(all.largest, r);
+		all.smallest   = std::min(all.smallest, r);
+		all.mean += r;
+	}
+	all.mean /= double(grains.size());
+	return all;
 }
 
 /// Velocity of a grain's rim, w r.

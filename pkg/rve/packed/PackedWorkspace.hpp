@@ -152,7 +152,6 @@ private:
 	void                 keepMoments(Lanes& lanes, double share);
 	bool                 formBond(Lanes& lanes, std::size_t lane);
 	bool                 anyBond() const;
-	void                 shrinkGrains(double saturationBefore);
 	void                 setStrengths();
 	void                 selectKernel();
 	void                 carryBonds(bool carry);
@@ -237,6 +236,18 @@ struct PackedRadii {
 	const double* now;
 	double        largest, smallest;
 };
+
+/// Of all grains at present.
+struct PackedRadiiInAll {
+	double largest, smallest, mean; ///< [m]
+};
+PackedRadiiInAll radiiInAll(const PackedGrains& grains, double radiusFactor);
+
+/// Thaw strain after a change of ice saturation; true if the factor of the radii has become smaller.
+template <int Dim> bool grainsShrink(PackedThawStrain& thaw, double& radiusFactor, double iceBefore, double iceNow);
+
+/// Gap that lists must reach across where bonds form [m].
+inline double bondingReach(const IceBondModel& ice, double largestRadius) { return 1.01 * ice.bondRange * largestRadius; }
 
 /// See PackedWorkspace::longestTimeStep.
 template <int Dim> double longestTimeStep(const PackedParameters<Dim>& parameters, const PackedGrains& grains, const PackedRadii& radii, double iceStiffness);

@@ -2,6 +2,7 @@
 // Bonds of ice: their failure, and how they follow ice saturation.
 #include <algorithm>
 #include <cmath>
+#include <pkg/icebond/IceChange.hpp>
 #include <pkg/icebond/IceLaws.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 
@@ -41,6 +42,7 @@ template <int Dim> void PackedWorkspace<Dim>::carryBonds(bool carry)
 /// Bonds follow the stiffness of the ice; where the ice has melted only bonds that outlast it are left.
 template <int Dim> void PackedWorkspace<Dim>::changeIceOfBonds(double newRatio, bool melted)
 {
+	const IceChange change { melted, base.ice.bondsOutlastIce() };
 	for (const bool crosses : { false, true }) {
 		Lanes& lanes = lanesOf(crosses);
 		for (std::size_t lane = 0; lane < lanes.bond.size(); ++lane) {
@@ -48,13 +50,8 @@ template <int Dim> void PackedWorkspace<Dim>::changeIceOfBonds(double newRatio, 
 			IceBond&          bond     = lanes.bond[lane];
 			auto              shear    = laneShear<Dim>(lanes.block[b].shear, l);
 			auto              iceShear = laneShear<Dim>(lanes.ice[b].iceShear, l);
-			if (melted && !(bond.intact() && base.ice.bondsOutlastIce())) {
-				base.bondsMelted += bond.intact();
-				bond.melt(shear, iceShear);
-			} else if (bond.hasIceSpring()) {
-				bond.changeStiffness(
-				        stiffness(lanes, lane, iceRatio), stiffness(lanes, lane, newRatio), geometry(lanes, lane).overlap, shear, iceShear);
-			}
+			const auto        overlap  = [&] { return geometry(lanes, lane).overlap; };
+			base.bondsMelted += change.apply(bond, stiffness(lanes, lane, iceRatio), stiffness(lanes, lane, newRatio), overlap, shear, iceShear);
 			setLaneShear<Dim>(lanes.block[b].shear, l, shear);
 			setLaneShear<Dim>(lanes.ice[b].iceShear, l, iceShear);
 		}
@@ -81,16 +78,15 @@ template <int Dim> bool PackedWorkspace<Dim>::anyBond() const
 	        || std::any_of(periodicLanes.bond.begin(), periodicLanes.bond.end(), carries);
 }
 
-template <int Dim> void PackedWorkspace<Dim>::shrinkGrains(double saturationBefore)
+template <int Dim> bool grainsShrink(PackedThawStrain& thaw, double& radiusFactor, double iceBefore, double iceNow)
 {
-	PackedThawStrain& thaw = base.thawStrain;
-	if (thaw.thawStrain == 0) return;
-	thaw.frozenSaturation = std::max({ thaw.frozenSaturation, saturationBefore, base.iceSaturation });
-	const double lost     = thaw.thawStrain * (1 - base.iceSaturation / thaw.frozenSaturation);
+	if (thaw.thawStrain == 0) return false;
+	thaw.frozenSaturation = std::max({ thaw.frozenSaturation, iceBefore, iceNow });
+	const double lost     = thaw.thawStrain * (1 - iceNow / thaw.frozenSaturation);
 	const double factor   = Dim == 2 ? std::sqrt(1 - lost) : std::cbrt(1 - lost);
-	if (factor >= base.radiusFactor) return;
-	base.radiusFactor = factor;
-	scaleRadii();
+	if (factor >= radiusFactor) return false;
+	radiusFactor = factor;
+	return true;
 }
 
 template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation)
@@ -105,7 +101,7 @@ template <int Dim> void PackedWorkspace<Dim>::setIceSaturation(double saturation
 	base.iceSaturation  = saturation;
 	iceRatio            = newRatio;
 	setStrengths();
-	shrinkGrains(before);
+	if (grainsShrink<Dim>(base.thawStrain, base.radiusFactor, before, saturation)) scaleRadii();
 	setResponses(innerLanes);
 	setResponses(periodicLanes);
 	if (births) bondAll();
@@ -162,7 +158,7 @@ template <int Dim> std::size_t PackedWorkspace<Dim>::bondAll()
 	if (base.ice.melted(base.iceSaturation) || !base.ice.formsBondsEver()) return 0;
 	std::size_t formed = 0;
 	carryBonds(true);
-	rebuildLists(1.01 * base.ice.bondRange * largestRadius);
+	rebuildLists(bondingReach(base.ice, largestRadius));
 	for (const bool crosses : { false, true }) {
 		Lanes& lanes = lanesOf(crosses);
 		for (std::size_t lane = 0; lane < lanes.bond.size(); ++lane)
@@ -178,11 +174,10 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 {
 	IceBond& bond = lanes.bond[lane];
 	if (bond.state != BondState::NONE) return false;
-	const Geometry now     = geometry(lanes, lane);
-	const double   smaller = std::min(view.radius[now.rows.first], view.radius[now.rows.second]);
-	if (now.overlap < -base.ice.bondRange * smaller) return false;
-	auto iceShear = laneShear<Dim>(lanes.ice[lane / packedWidth].iceShear, lane % packedWidth);
-	bond.form(now.overlap, iceShear);
+	const Geometry now      = geometry(lanes, lane);
+	const double   smaller  = std::min(view.radius[now.rows.first], view.radius[now.rows.second]);
+	auto           iceShear = laneShear<Dim>(lanes.ice[lane / packedWidth].iceShear, lane % packedWidth);
+	if (!formWithin(bond, now.overlap, base.ice.bondRange * smaller, iceShear)) return false;
 	setLaneShear<Dim>(lanes.ice[lane / packedWidth].iceShear, lane % packedWidth, iceShear);
 	setResponse(lanes, lane);
 	return true;
@@ -194,7 +189,8 @@ template <int Dim> bool PackedWorkspace<Dim>::formBond(Lanes& lanes, std::size_t
 	template void        PackedWorkspace<Dim>::setStrengthFactors(const BondStrengthFactors&); \
 	template void        PackedWorkspace<Dim>::setIceStiffness(double);                        \
 	template void        PackedWorkspace<Dim>::creep(const BondCreep&);                        \
-	template std::size_t PackedWorkspace<Dim>::bondAll();
+	template std::size_t PackedWorkspace<Dim>::bondAll();                                      \
+	template bool        grainsShrink<Dim>(PackedThawStrain&, double&, double, double);
 TALIK_BONDS_OF(2)
 TALIK_BONDS_OF(3)
 #undef TALIK_BONDS_OF
