@@ -161,12 +161,12 @@ template <int Dim> void expectSameWhateverHappens(const std::shared_ptr<SampleDe
 	        "cells that turn and become thin", 0, 0);
 	std::vector<PackedState<Dim>> swelling { frozen<Dim>(0.3) };
 	swelling[0].thawStrain.thawStrain = 0.1;
-	const auto shrinking = expectSameRun<Dim>(
-	        swelling, 30, device,
-	        [](int r, int) {
-		        return Round { 5e-4, 0, std::max(0., 0.3 - 0.02 * (r / 2)) };
-	        },
-	        "grains that shrink on thaw", 0, 5);
+	const auto shrinking              = expectSameRun<Dim>(
+                swelling, 30, device,
+                [](int r, int) {
+                        return Round { 5e-4, 0, std::max(0., 0.3 - 0.02 * (r / 2)) };
+                },
+                "grains that shrink on thaw", 0, 5);
 	EXPECT_EQ(shrinking.left, 0u) << "grains shrink on the device";
 	std::vector<PackedState<Dim>> wild { thawed<Dim>(), thawed<Dim>() };
 	wild[0].dt *= 40;
