@@ -8,10 +8,9 @@ From the paper: grid 0.2 m with four points a cell, initial temperature -5 °C, 
 
 Ours, where the paper is silent: the outline of the slope (a 45° face, 3 m high, above a 1 m bench); rollers left and right, fixed
 base; the air warms within ten days and acts on the moving surface; freezing curve gauss with W = 0.5 K and S_r = 0.05; sample thickness
-0.1 m; with the law alone a frozen modulus of at most 20
-MPa), for the sake of the time step; ice in the
-samples as bonds only (bookkeeping of grain size); samples brought to the geostatic stress in bands of 0.5 m before they freeze; lateral
-stress ratio 0.7; local damping 0.02 during failure.
+0.1 m; with the law alone a frozen modulus of at most 20 MPa, for the sake of the time step; ice in the samples as bonds only (bookkeeping
+of grain size); samples brought to the geostatic stress in bands of 0.5 m before they freeze; lateral stress ratio 0.7; local damping 0.02
+during failure.
 This script is the scene. How it is run, drawn and compared is in the folder thawslump beside it, the values in thawslump/settings.py.
 The page of figures is page.png; what to expect is described in examples/README.md.
 --compare skeleton also runs a Mohr-Coulomb law calibrated on the same sample, side by side with both wall times.
