@@ -94,9 +94,33 @@ def test_segregated_ice_of_the_slopes_is_that_of_a_quasi_steady_front():
 
 
 def test_slopes_with_segregated_ice_settle_by_it_in_the_order_measured_in_the_centrifuge_slow(tmp_path):
-	command = ["yade", "-n", "-x", str(example), "--preset", "test", "--assume", "segregation=2e-9", "--output", str(tmp_path)]
+	command = ["yade", "-n", "-x", str(example), "--preset", "test", "--assume", "segregation=2e-9", "--ice", "column", "--output", str(tmp_path)]
 	run = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
 	summary = json.loads((tmp_path / "summary.json").read_text())
 	found = list(summary["path of the surface [m]"].values())
 	print(f"{', '.join(f'{1e3 * path:.0f} mm' for path in found)} at 12, 18 and 24 degrees; measured 187, 651, mudflow")
 	assert run.returncode == 0 and "frost creep by hand" in run.stdout, run.stdout + run.stderr
+
+
+def test_slopes_whose_ice_forms_in_them_move_farther_where_they_are_steeper_slow(tmp_path):
+	command = [
+		"yade",
+		"-n",
+		"-x",
+		str(example),
+		"--preset",
+		"test",
+		"--slopes",
+		"12",
+		"18",
+		"--assume",
+		"segregation=1e-9",
+		"length=1",
+		"--output",
+		str(tmp_path),
+	]
+	run = subprocess.run(command, capture_output=True, text=True, timeout=1800, check=False)
+	print("\n".join(line for line in run.stdout.splitlines() if "excess ice, heave" in line))
+	assert run.returncode == 0 and run.stdout.count("frost creep by hand") == 3, run.stdout + run.stderr
+	paths = json.loads((tmp_path / "summary.json").read_text())["path of the surface [m]"]
+	assert 0 < paths["12 deg"] < paths["18 deg"]
