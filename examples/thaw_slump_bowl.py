@@ -274,4 +274,5 @@ def main():
 	print(f"pictures, ParaView files and summary.json are in {folder}")
 
 
-main()
+if __name__ == "__main__":
+	main()

@@ -2,6 +2,9 @@
 """Packed samples on a graphics card against the processor: nanoseconds a grain and step of whole calls, as the ground asks them.
 
 usage  card.py <talik_card_bench> <tests/unit/data> <result.json> [<device>] [<samples>,...]
+	   card.py <talik_card_bench> --replay <record> <result.json> [<device>] [<points>]
+
+The second form replays what cardreplay.py has recorded of a scene, for any number of points.
 
 Where the bits of card and processor differ nothing is compared. Without a card nothing is measured."""
 
@@ -38,6 +41,32 @@ def measured(result):
 	return found, [f"{result['device']} beside {result['threads']} threads; calls are whole ones: gradients go in, stress and tangent come out"]
 
 
+def replayed(program, record, device="gpu", points="100000"):
+	run = subprocess.run([str(program), device, points, "--replay", str(record)], capture_output=True, text=True)
+	sys.stderr.write(run.stderr)
+	if run.returncode not in (0, 1):
+		raise SystemExit(f"{program} ended with {run.returncode}")
+	return json.loads(run.stdout)
+
+
+def replayMeasured(result):
+	"""The same of a replay."""
+	if "missing" in result:
+		return [], [f"not measured: {result['missing']}"]
+	row = result["replay"]
+	name = f"thaw_slump_bowl for {row['points']} points, {row['ground']} steps of the ground: samples"
+	if not row["same"]:
+		return [Figure(f"{name}: bits differ, nothing is compared", float("nan"), floor=0)], []
+	counted = {"updates": row["updates"], "on the card": row["done"], "ended on the processor": row["ended"], "left to it": row["left"]}
+	terms = {"all cores [s]": row["all"], "of it waiting [s]": row["waiting"], **counted}
+	found = [Figure(name, row["device"], "s", terms=terms), Figure(f"{name}, all cores over the card", row["all"] / row["device"], "x")]
+	return found, [f"{result['device']} beside {result['threads']} threads; requests of a recorded run, replayed for more points"]
+
+
+def mainOfReplay(program, record, target, *chosen):
+	figures.write(target, *replayMeasured(replayed(program, record, *chosen)))
+
+
 def main(program, data, target, *chosen):
 	figures.write(target, *measured(ran(program, data, *chosen)))
 
@@ -45,4 +74,7 @@ def main(program, data, target, *chosen):
 if __name__ == "__main__":
 	if len(sys.argv) < 4:
 		sys.exit(__doc__)
-	main(*sys.argv[1:])
+	if sys.argv[2] == "--replay":
+		mainOfReplay(sys.argv[1], *sys.argv[3:])
+	else:
+		main(*sys.argv[1:])

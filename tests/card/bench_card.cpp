@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Time of packed samples on a device beside the processor, for scripts/bench gpu: bench_card DEVICE SAMPLES[,SAMPLES...] DATA prints JSON. Calls are whole
-// ones, as the ground asks them. Where bits differ nothing is compared.
+// ones, as the ground asks them. bench_card DEVICE POINTS --replay RECORD does for so many points what was recorded of a scene in space. Where bits
+// differ nothing is compared.
 #include "packedStarts.hpp"
+#include "SampleReplay.hpp"
 
 #include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
@@ -109,6 +111,21 @@ template <int Dim> bool rows(const PackedState<Dim>& moving, std::size_t samples
 	return same;
 }
 
+/// The same on all cores and on the device.
+bool replay(std::size_t points, const std::string& record, const std::shared_ptr<SampleDevice>& device)
+{
+	SampleReplay<3> asked(record);
+	const auto      all = asked.run(points, nullptr, 0), there = asked.run(points, device, 0);
+	const bool      same = all.bytes == there.bytes && all.steps == there.steps;
+	std::printf(
+	        "\"replay\": {\"points\": %zu, \"ground\": %zu, \"updates\": %zu, \"steps\": %ld, \"all\": %.4g, \"device\": %.4g, ", points,
+	        asked.stepsOfGround(), all.updates, all.steps, all.seconds, same ? there.seconds : 0.);
+	std::printf(
+	        "\"done\": %zu, \"ended\": %zu, \"left\": %zu, \"waiting\": %.4g, \"same\": %s}", there.use.done, there.use.ended, there.use.left,
+	        there.use.waiting, same ? "true" : "false");
+	return same;
+}
+
 } // namespace
 
 int main(int count, char** words)
@@ -120,6 +137,12 @@ int main(int count, char** words)
 	} catch (const DeviceFailure& failure) {
 		std::printf("{\"missing\": \"%s\"}\n", failure.what());
 		return 0;
+	}
+	if (count == 5 && std::strcmp(words[3], "--replay") == 0) {
+		std::printf("{\"device\": \"%s\", \"threads\": %d,\n", device->name().c_str(), ThreadPool::threads());
+		const bool same = replay(std::strtoul(words[2], nullptr, 10), words[4], device);
+		std::printf("}\n");
+		return same ? 0 : 1;
 	}
 	const std::string data    = words[3];
 	const auto        discs   = packedReference::read(data + "/packed_reference.txt").state();

@@ -79,6 +79,15 @@ def test_a_card_is_compared_where_the_bits_agree_and_only_there(tmp_path):
 	assert [figure.reached for figure in found] == [True, True, False] and found[1].value == pytest.approx(50) and "a card" in notes[0]
 
 
+def test_a_replay_is_compared_where_the_bits_agree_and_only_there():
+	row = dict(points=100000, ground=200, updates=215600, steps=2600000, all=12.0, device=1.5, done=215600, ended=0, left=0, waiting=0.5)
+	for same in (True, False):
+		found, _ = card.replayMeasured(dict(device="a card", threads=2, replay=dict(row, same=same)))
+		print("\n".join(figures.table(found)))
+		assert [figure.reached for figure in found] == ([True, True] if same else [False])
+	assert card.replayMeasured({"missing": "no driver"}) == ([], ["not measured: no driver"])
+
+
 def test_without_a_card_nothing_is_measured_and_that_is_said(build):
 	found, notes = card.measured({"missing": "There is no driver of NVIDIA's here."})
 	figures.write(build / "part.json", found, notes)

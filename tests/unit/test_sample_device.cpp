@@ -7,6 +7,7 @@
 #include <pkg/multiscale/samples/PackedStore.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
+#include <tests/card/SampleReplay.hpp>
 
 #include <gtest/gtest.h>
 
@@ -15,6 +16,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 
 using namespace talik;
 using namespace packedStarts;
@@ -451,6 +453,53 @@ TEST(SampleDevice, samplesOfEverySizeThatHasAKernelHaveTheBitsOfTheProcessor)
 {
 	expectSameAtAllSizes<2>(makeTwin(), 4);
 	expectSameAtAllSizes<3>(makeTwin(), 3);
+}
+
+namespace {
+
+template <class Number> void put(std::ofstream& file, Number number) { file.write(reinterpret_cast<const char*>(&number), sizeof(number)); }
+
+/// As scripts/benchmarks/cardreplay.py writes it: two samples, three steps of the ground, the first of which asks none.
+std::string recordOfTwoSamples()
+{
+	std::string   path = ::testing::TempDir() + "talik_replay.bin";
+	std::ofstream file(path, std::ios::binary);
+	put(file, std::uint64_t(2));
+	put(file, 2e-2);
+	for (const double ice : { 0., 0.1 }) {
+		const std::string bytes = (ice > 0 ? frozen<3>(ice) : thawed<3>()).toBytes();
+		put(file, std::uint64_t(bytes.size()));
+		file << bytes;
+	}
+	const std::vector<std::vector<std::pair<std::uint64_t, double>>> asked { {}, { { 0, 0. }, { 1, 0.05 } }, { { 1, 0. } } }; // sample, ice
+	for (const auto& step : asked) {
+		put(file, std::uint64_t(step.size()));
+		for (const auto& [sample, ice] : step) {
+			put(file, sample);
+			for (int k = 0; k < 9; ++k)
+				put(file, k == 1 ? 1e-4 : 0.);
+			put(file, ice);
+		}
+	}
+	return path;
+}
+
+} // namespace
+
+TEST(SampleDevice, recordOfAGroundIsReplayedForMorePointsWithTheBitsOfTheProcessor)
+{
+	SampleReplay<3>       record(recordOfTwoSamples());
+	constexpr std::size_t points = 100, updates = 150;
+	const auto            a = record.run(points, nullptr, 2), b = record.run(points, makeTwin(), 2);
+	std::printf(
+	        "%zu points, %zu steps of the ground: %zu updates (%zu asked), %ld steps of grains; %zu on the device, %zu left\n", points,
+	        record.stepsOfGround(), b.updates, updates, b.steps, b.use.done, b.use.left);
+	EXPECT_EQ(record.stepsOfGround(), 3u);
+	EXPECT_EQ(a.updates, updates);
+	EXPECT_EQ(b.updates, updates);
+	EXPECT_EQ(a.steps, b.steps);
+	EXPECT_EQ(b.use.left, 0u);
+	EXPECT_TRUE(a.bytes == b.bytes);
 }
 
 /// On a machine with a card: ctest -L gpu.

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Samples on a device give a scene the bits of the processor. The device is the twin of a graphics card, or a card behind a driver of the tests."""
 
+import struct
 from pathlib import Path
 
 import pytest
@@ -132,6 +133,27 @@ def test_a_card_that_is_missing_is_said_with_a_remedy(sample, monkeypatch, capfd
 def test_another_name_of_a_device_is_refused(sample):
 	with pytest.raises(ValueError, match="RveSkeleton.device is 'cuda': choose cpu, gpu, auto or twin"):
 		column(sample, device="cuda").initialise()
+
+
+def test_what_a_ground_asks_its_samples_is_recorded_for_a_replay(sample, tmp_path, monkeypatch):
+	"""Each request that the skeleton counts is found, and the record says of which samples."""
+	monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[2] / "scripts" / "benchmarks"))
+	import cardreplay
+
+	O.reset()
+	mpm = column(sample)
+	O.run(60, True)
+	record, before = cardreplay.Record(mpm, tmp_path / "record.bin"), mpm.skeleton.cost()["calls"]
+	for _ in range(30):
+		record.step()  # ends the test where the requests found are not those counted
+	record.file.close()
+	calls = mpm.skeleton.cost()["calls"] - before
+	held = (tmp_path / "record.bin").read_bytes()
+	points, at = struct.unpack_from("<Q", held)[0], 16
+	for _ in range(points):
+		at += 8 + struct.unpack_from("<Q", held, at)[0]
+	print(f"\n{calls} calls counted, {record.asked} recorded, states of {points} samples, {len(held) - at} bytes of requests")
+	assert calls > 10 and record.asked == calls and points == mpm.pointCount and len(held) - at == 30 * 8 + calls * 8 * (1 + 4 + 1)
 
 
 presets = {"base": dict(days=12.0), "surface": dict(days=12.0)}
