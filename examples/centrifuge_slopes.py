@@ -505,7 +505,7 @@ def drawCycles(runs, base, cycles):
 		axes.plot(beside + np.arange(1, len(found) + 1), paths, mark, color=colour, label=f"{slope}°" + (", flows" if flows(found[-1]) else ""))
 		if measured[slope] < math.inf:
 			axes.axhline(1e3 * measured[slope], color=colour, linestyle="--", linewidth=0.9, label=f"{slope}°, measured, mean of four cycles")
-	axes.axhline(1e3 * flowing, color="0.5", linewidth=0.9, label="flows; measured at 24°")
+	axes.axhline(1e3 * flowing, color="0.5", linewidth=0.9, label="flows; measured at 24°" if 24 in measured else "flows")
 	axes.set(xlabel="cycle of frost and thaw", ylabel="path of the surface in the cycle [mm]", yscale="log", ylim=(10, 2e3), xticks=range(1, cycles + 1))
 	axes.legend(fontsize=8, loc="lower right")
 	return figure
@@ -545,7 +545,7 @@ def drawVariations(runs, base, attributes):
 		axes.plot(beside + np.arange(len(found)), [1e3 * min(run["path"][-1], flowing) for run in found], mark, color=colour, label=f"{slope}°")
 		if measured[slope] < math.inf:
 			axes.axhline(1e3 * measured[slope], color=colour, linestyle="--", linewidth=0.9, label=f"{slope}°, measured")
-	axes.axhline(1e3 * flowing, color="0.5", linewidth=0.9, label="flows; measured at 24°")
+	axes.axhline(1e3 * flowing, color="0.5", linewidth=0.9, label="flows; measured at 24°" if 24 in measured else "flows")
 	labels = ["as assumed"] + [named(*each) for each in changed]
 	axes.set_xticks(range(len(labels)), labels, rotation=40, ha="right", fontsize=8)
 	axes.set(yscale="log", ylabel="path of the surface [mm]", title="one assumption changed")
