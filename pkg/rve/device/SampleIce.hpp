@@ -221,9 +221,13 @@ namespace N_ONE {
 				place.setIndex(p, former.index(p));
 				for (int row = 0; row < ofPairs; ++row)
 					place.pair(row, p) = former.pair(row, p);
-				if constexpr (Bonded) withoutBond(place, call, p);
 			}
 		});
+		if constexpr (Bonded)
+			together(threads, [&](int t) TALIK_INLINED {
+				for (int p = t; p < call.pairs; p += threads)
+					withoutBond(place, call, p);
+			});
 	}
 
 } // namespace N_ONE

@@ -15,9 +15,10 @@ namespace {
 
 	class Twin final : public SampleDevice {
 	public:
-		std::string   name() const override { return "twin of a card on the processor"; }
-		std::size_t   freeMemory() override { return std::size_t(1) << 40; }
-		std::uint64_t allocate(std::size_t bytes) override { return reinterpret_cast<std::uint64_t>(::operator new(bytes)); }
+		std::string name() const override { return "twin of a card on the processor"; }
+		std::size_t freeMemory() override { return std::size_t(1) << 40; }
+		/// The memory of a card holds anything: numbers that were never set shall be found out.
+		std::uint64_t allocate(std::size_t bytes) override { return reinterpret_cast<std::uint64_t>(std::memset(::operator new(bytes), 0xff, bytes)); }
 		void          release(std::uint64_t address) noexcept override { ::operator delete(reinterpret_cast<void*>(address)); }
 		void*         allocateOnHost(std::size_t bytes) override { return ::operator new(bytes); }
 		void          releaseOnHost(void* memory) noexcept override { ::operator delete(memory); }
@@ -30,6 +31,7 @@ namespace {
 				unsigned char bytes[16];
 			};
 			std::vector<Sixteen> memory(std::size_t(twinMemoryOfBlock(a.layout)) / 16 + 1);
+			std::memset(memory.data(), 0xff, memory.size() * sizeof(Sixteen));
 			for (int block = 0; block < a.count; ++block)
 				twin.run(a, block, memory.data()->bytes);
 		}
