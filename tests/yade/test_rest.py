@@ -52,6 +52,33 @@ def test_layers_of_a_law_with_a_balanced_start_rest(law, weight):
 	assert change[True] < 1e-6 < 1e-3 < change[False]
 
 
+@pytest.mark.parametrize("height", [2.0, 1.9, 1.8])  # the surface between two cells, and inside one
+def test_saturated_layers_with_implicit_pressure_rest_to_round_off_wherever_their_surface_cuts_cells(height):
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.25,
+		lower=(0, 0),
+		upper=(0.5, 3),
+		gravity=(0, -9.81),
+		bBar=True,
+		balanceStart=True,
+		skeleton=elastic(),
+		water=wrapper.PoreWater(pressure="implicit"),
+		boundaries=[
+			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
+			wrapper.DrainedBoundary(region="surface"),
+		],
+	)
+	talik.layers.fill(mpm, {"sand": dict(polygon=rectangle(0, 0, 0.5, height), porosity=0.4)}, lateralRatio=0.5, waterTable=height)
+	O.reset()
+	O.engines = [mpm]
+	O.run(20, True)  # pressure becomes that of cells
+	pressure, stress = mpm.field("pressure"), mpm.field("stress")[:, 1]
+	O.run(500, True)
+	changes = [np.abs(now - before).max() / (9810 * height) for now, before in ((mpm.field("pressure"), pressure), (mpm.field("stress")[:, 1], stress))]
+	print(f"height {height} m: change of pressure and of stress in 500 steps over rho g H: {changes[0]:.1e}, {changes[1]:.1e}; reference: 0, tolerance: 1e-10")
+	assert max(changes) < 1e-10
+
+
 def test_ground_that_nothing_holds_cannot_be_balanced():
 	with pytest.raises((ValueError, RuntimeError), match="there is no stress in which this ground rests"):
 		ground(sides=("left",), balanceStart=True).initialise()
