@@ -27,7 +27,7 @@ namespace {
 /// Speed of the fastest wave at a point, with that of the point or its water [m/s].
 template <int D> double Ground<D>::Parts::signalSpeed(int p, double modulus) const
 {
-	const double tied = implicit ? content->waterMass[p] - (content->iceMass ? content->iceMass[p] : 0.0) : 0.0;
+	const double tied = implicit ? content->liquidMass(p) : 0.0;
 	double       c    = std::sqrt(modulus * points->volume()[p] / (motion->mass[p] + tied));
 	double       v    = sizeAt<D>(motion->velocity, p);
 	if (water) {

@@ -328,7 +328,7 @@ template <int D> double Ground<D>::Parts::initialMass() const
 	if (water) ranks.showAll(content->waterMass, content->iceMass);
 	double sum = 0.0;
 	for (int p = 0; p < points->count(); ++p)
-		sum += motion->mass[p] + (water ? content->waterMass[p] - (content->iceMass ? content->iceMass[p] : 0.0) : 0.0);
+		sum += motion->mass[p] + (water ? content->liquidMass(p) : 0.0);
 	return sum;
 }
 

@@ -263,7 +263,7 @@ template <int D> void Ground<D>::Parts::findFlows(const StepContext<D>& step)
 	if (water) cost.time(CostMeter::water, [&] { findNodalPressure(step); });
 	const auto pass = [&](CostMeter::Entry pays, auto&& work) {
 		const auto share = [&](HaloExchange& rows) {
-			rows.beyond = water && (front || implicit); // sides meet there with the force on their liquid; cells there meet their own
+			rows.beyond = water && front; // sides meet there with the force on their liquid
 			if (water) rows.nodes(water->force);
 			if (conducts()) heat->shareConducted(rows);
 		};

@@ -16,8 +16,8 @@ import figures
 from figures import Figure
 
 
-def ran(program, data, device="gpu", samples="132,1000,10000"):
-	run = subprocess.run([str(program), device, samples, str(data)], capture_output=True, text=True)
+def ran(program, *arguments):
+	run = subprocess.run([str(program), *map(str, arguments)], capture_output=True, text=True)
 	sys.stderr.write(run.stderr)
 	if run.returncode not in (0, 1):
 		raise SystemExit(f"{program} ended with {run.returncode}")
@@ -41,14 +41,6 @@ def measured(result):
 	return found, [f"{result['device']} beside {result['threads']} threads; calls are whole ones: gradients go in, stress and tangent come out"]
 
 
-def replayed(program, record, device="gpu", points="100000"):
-	run = subprocess.run([str(program), device, points, "--replay", str(record)], capture_output=True, text=True)
-	sys.stderr.write(run.stderr)
-	if run.returncode not in (0, 1):
-		raise SystemExit(f"{program} ended with {run.returncode}")
-	return json.loads(run.stdout)
-
-
 def replayMeasured(result):
 	"""The same of a replay."""
 	if "missing" in result:
@@ -63,12 +55,12 @@ def replayMeasured(result):
 	return found, [f"{result['device']} beside {result['threads']} threads; requests of a recorded run, replayed for more points"]
 
 
-def mainOfReplay(program, record, target, *chosen):
-	figures.write(target, *replayMeasured(replayed(program, record, *chosen)))
+def mainOfReplay(program, record, target, device="gpu", points="100000"):
+	figures.write(target, *replayMeasured(ran(program, device, points, "--replay", record)))
 
 
-def main(program, data, target, *chosen):
-	figures.write(target, *measured(ran(program, data, *chosen)))
+def main(program, data, target, device="gpu", samples="132,1000,10000"):
+	figures.write(target, *measured(ran(program, device, samples, data)))
 
 
 if __name__ == "__main__":

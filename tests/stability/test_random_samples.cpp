@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Samples of discs and of spheres under random increments: strain rates, jumps of ice saturation, flips, archives, rest.
 #include "Dice.hpp"
-#include "packedReference.hpp"
-#include "packedSpheres.hpp"
 #include "Report.hpp"
+#include "StockSamples.hpp"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -17,10 +16,6 @@ using namespace talik::stability;
 using namespace talik::validation;
 
 namespace {
-
-template <int D> PackedState<D> ofStock();
-template <> PackedState<2>      ofStock<2>() { return packedReference::sample().state(); }
-template <> PackedState<3>      ofStock<3>() { return packedSpheres::sample().state(); }
 
 /// The sample of stock YADE with bonds, frozen in twenty parts.
 template <int D> PackedState<D> frozen(double iceSaturation)

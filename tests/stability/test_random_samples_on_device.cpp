@@ -2,9 +2,8 @@
 // Samples on a device under random sequences of ice, strain and thaw strain, held against the same on the processor to the last bit. They go
 // through bytes, as checkpoints do, and change between device and processor. The device is the twin of a card.
 #include "Dice.hpp"
-#include "packedReference.hpp"
-#include "packedSpheres.hpp"
 #include "Report.hpp"
+#include "StockSamples.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,10 +18,6 @@ using namespace talik::stability;
 using namespace talik::validation;
 
 namespace {
-
-template <int D> PackedState<D> ofStock();
-template <> PackedState<2>      ofStock<2>() { return packedReference::sample().state(); }
-template <> PackedState<3>      ofStock<3>() { return packedSpheres::sample().state(); }
 
 /// Three samples in two pools, one of which has a device now and then.
 template <int D> class RandomRun {

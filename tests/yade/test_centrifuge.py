@@ -14,6 +14,13 @@ import pytest
 example = Path(__file__).resolve().parents[2] / "examples" / "centrifuge_slopes.py"
 
 
+def defined():
+	"""What the script defines before it reads its arguments."""
+	names = {}
+	exec(compile(example.read_text().split("\nparser = ")[0], str(example), "exec"), names)
+	return names
+
+
 @pytest.mark.parametrize(
 	"given, remedy",
 	[
@@ -57,8 +64,7 @@ def test_slopes_that_freeze_and_thaw_twice_settle_by_their_excess_ice_in_the_ord
 
 def test_a_slope_that_freezes_and_thaws_by_itself_heaves_by_its_ice_and_settles_again():
 	"""A box of 1 m with a layer of 0.4 m: heave normal to the slope is that of the ice, and of the pore water that expands and stays; thaw takes it back."""
-	names = {}
-	exec(compile(example.read_text().split("\nparser = ")[0], str(example), "exec"), names)
+	names = defined()
 	names["frost"] = 20.0
 	ground = names["withIce"](names["Assumptions"](segregation=1e-9, conductivity=4e-8, length=1.0, thickness=0.4))
 	slope = names["OwnIce"](12, ground, 20.0)
@@ -76,8 +82,7 @@ def test_a_slope_that_freezes_and_thaws_by_itself_heaves_by_its_ice_and_settles_
 
 def test_segregated_ice_of_the_slopes_is_that_of_a_quasi_steady_front():
 	"""A front with the gradient G behind it draws q = SP G and moves by Z' = (kappa - rho_w L SP) G/(rho_i L n S): excess ice over soil 1.1 q/Z'."""
-	names = {}
-	exec(compile(example.read_text().split("\nparser = ")[0], str(example), "exec"), names)
+	names = defined()
 	ground = names["Assumptions"](segregation=1e-9, conductivity=4e-8)  # of water: the less, the longer the steps of the calendar
 	rows = names["rowsOf"](ground)
 	ice = 0.95

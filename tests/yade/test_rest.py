@@ -8,8 +8,6 @@ from yade import O, wrapper
 import talik
 from talik.geometry import rectangle
 
-sand = {"sand": dict(polygon=rectangle(0, 0, 1, 2), porosity=0.4)}
-
 
 def elastic():
 	return wrapper.ElasticSkeleton(young=1e7)
@@ -19,18 +17,20 @@ def frictional():
 	return wrapper.MohrCoulombSkeleton(young=1e7, cohesion=1e3)
 
 
-def ground(sides=("left", "right", "bottom"), law=elastic, **settings):
+def ground(sides=("left", "right", "bottom"), law=elastic, width=1, height=2, waterTable=None, surface=None, **settings):
+	"""A column of sand, dry without a water table."""
+	if waterTable is None:
+		settings["poreFill"] = 0
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.25,
 		lower=(0, 0),
-		upper=(1, 3),
+		upper=(width, 3),
 		gravity=(0, -9.81),
 		skeleton=law(),
-		poreFill=0,
-		boundaries=[wrapper.RollerBoundary(region=side) for side in sides],
+		boundaries=[*(wrapper.RollerBoundary(region=side) for side in sides), *([surface] if surface else [])],
 		**settings,
 	)
-	talik.layers.fill(mpm, sand, lateralRatio=0.5)
+	talik.layers.fill(mpm, {"sand": dict(polygon=rectangle(0, 0, width, height), porosity=0.4)}, lateralRatio=0.5, waterTable=waterTable)
 	O.reset()
 	O.engines = [mpm]
 	return mpm
@@ -54,23 +54,8 @@ def test_layers_of_a_law_with_a_balanced_start_rest(law, weight):
 
 @pytest.mark.parametrize("height", [2.0, 1.9, 1.8])  # the surface between two cells, and inside one
 def test_saturated_layers_with_implicit_pressure_rest_to_round_off_wherever_their_surface_cuts_cells(height):
-	mpm = wrapper.MpmEngine(
-		gridSpacing=0.25,
-		lower=(0, 0),
-		upper=(0.5, 3),
-		gravity=(0, -9.81),
-		bBar=True,
-		balanceStart=True,
-		skeleton=elastic(),
-		water=wrapper.PoreWater(pressure="implicit"),
-		boundaries=[
-			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
-			wrapper.DrainedBoundary(region="surface"),
-		],
-	)
-	talik.layers.fill(mpm, {"sand": dict(polygon=rectangle(0, 0, 0.5, height), porosity=0.4)}, lateralRatio=0.5, waterTable=height)
-	O.reset()
-	O.engines = [mpm]
+	water = dict(bBar=True, water=wrapper.PoreWater(pressure="implicit"), surface=wrapper.DrainedBoundary(region="surface"))
+	mpm = ground(width=0.5, height=height, waterTable=height, balanceStart=True, **water)
 	O.run(20, True)  # pressure becomes that of cells
 	pressure, stress = mpm.field("pressure"), mpm.field("stress")[:, 1]
 	O.run(500, True)

@@ -41,7 +41,7 @@ void BBar<D>::addWeights(
 				along += g[i] * g[j] / square * motion.stress[stressIndex<D>(i, j)][p];
 		}
 		cell.along += volume * along;
-		cell.mass += motion.mass[p] + (water ? content->waterMass[p] - (content->iceMass ? content->iceMass[p] : 0.0) : 0.0);
+		cell.mass += motion.mass[p] + (water ? content->liquidMass(p) : 0.0);
 	}
 }
 

@@ -97,7 +97,7 @@ void ImplicitPressure<D>::addContent(
 	const double* volume = points.volume();
 	content.overFills(first, last, temperature, [&](int p, double excess, double compliance) {
 		Cell&        c    = cells_[cells.cell(p)];
-		const double mass = content.waterMass[p] - (content.iceMass ? content.iceMass[p] : 0.0);
+		const double mass = content.liquidMass(p);
 		double       up   = 0.0;
 		for (int a = 0; a < D; ++a)
 			up -= water.weight[a] * points.position(a)[p];
@@ -137,7 +137,7 @@ template <int D> void ImplicitPressure<D>::map(const WeightBlock<D>& w, const Ce
 {
 	for (int k = 0; k < w.count; ++k) {
 		const int     p = w.first + k, c = cells.cell(p), at = cornerOf(c, w.base[k]);
-		const double  mass   = content.waterMass[p] - (content.iceMass ? content.iceMass[p] : 0.0);
+		const double  mass   = content.liquidMass(p);
 		double* const liquid = liquids_.data() + std::size_t(c) * corners;
 		int           node   = 0;
 		overNodes<D>(w, k, [&](int, double s, const Vec<D>&) { liquid[at + within_[node++]] += mass * s; });

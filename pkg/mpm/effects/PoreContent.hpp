@@ -106,6 +106,8 @@ public:
 		}
 	}
 
+	double liquidMass(int place) const { return waterMass[place] - (iceMass ? iceMass[place] : 0.0); } ///< [kg]
+
 	/// Of the liquid, which is the same in every material.
 	const EnthalpyModel&     enthalpyModel() const { return materials_.front().enthalpy; }
 	const MixtureProperties& mixture(int place) const { return of(place).mixture; }

@@ -258,6 +258,21 @@ template <int Dim> bool SamplesOnDevice<Dim>::planCall(Task& task)
 	return parts > 0 ? planIce(task) : planMotion(task);
 }
 
+/// The sample as it is now, without steps.
+template <int Dim> SampleCall& SamplesOnDevice<Dim>::newCall(Task& task)
+{
+	const SampleOnDevice<Dim>& away = *task.away;
+	SampleCall&                call = *task.call;
+	call                            = away.common;
+	call.place                      = away.place;
+	copyMatrix<Dim>(away.now.hSize, call.hSize);
+	copyMatrix<Dim>(away.now.trsf, call.trsf);
+	call.travel  = away.use.travel;
+	call.stretch = away.use.stretch;
+	call.carries = away.carries;
+	return call;
+}
+
 /// The next parts of a change of ice, as PackedWorkspace::setIceSaturation has them.
 template <int Dim> bool SamplesOnDevice<Dim>::planIce(Task& task)
 {
@@ -284,20 +299,13 @@ template <int Dim> bool SamplesOnDevice<Dim>::planIce(Task& task)
 		before               = now;
 	}
 	const bool  last = task.partsDone + parts == task.partsAll, moves = !task.request->displacementGradient.isZero(0);
-	SampleCall& call = *task.call;
-	call             = away.common;
-	call.place       = away.place;
-	copyMatrix<Dim>(away.now.hSize, call.hSize);
-	copyMatrix<Dim>(away.now.trsf, call.trsf);
-	call.dt         = away.now.dt;
-	call.travel     = away.use.travel;
-	call.stretch    = away.use.stretch;
-	call.iceParts   = parts;
-	call.stepsOfIce = std::int32_t(given.stepsPerSaturation);
-	call.resting    = parts * call.stepsOfIce;
-	call.carries    = away.carries;
-	call.tangent    = given.tangent && last && !moves;
-	task.stage      = last && !moves ? Task::begun : Task::ice;
+	SampleCall& call = newCall(task);
+	call.dt          = away.now.dt;
+	call.iceParts    = parts;
+	call.stepsOfIce  = std::int32_t(given.stepsPerSaturation);
+	call.resting     = parts * call.stepsOfIce;
+	call.tangent     = given.tangent && last && !moves;
+	task.stage       = last && !moves ? Task::begun : Task::ice;
 	return true;
 }
 
@@ -318,20 +326,13 @@ template <int Dim> bool SamplesOnDevice<Dim>::planMotion(Task& task)
 	} catch (const std::invalid_argument&) {
 		return false; // which says so
 	}
-	SampleCall& call = *task.call;
-	call             = away.common;
-	call.place       = away.place;
+	SampleCall& call = newCall(task);
 	copyMatrix<Dim>(rate, call.velGrad);
-	copyMatrix<Dim>(away.now.hSize, call.hSize);
-	copyMatrix<Dim>(away.now.trsf, call.trsf);
 	call.norm       = frobenius<Dim>(call.velGrad);
 	call.strainRate = strainRate<Dim>(call.velGrad);
 	call.dt         = dt;
-	call.travel     = away.use.travel;
-	call.stretch    = away.use.stretch;
 	call.moving     = std::int32_t(moving);
 	call.resting    = std::int32_t(stepsToRest(rest, dt));
-	call.carries    = away.carries;
 	call.tangent    = given.tangent;
 	task.stage      = Task::begun;
 	return true;

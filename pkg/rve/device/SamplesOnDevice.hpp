@@ -141,6 +141,7 @@ private:
 	void                                    plan(Task&, Worker&);
 	bool                                    makeAway(Task&, Worker&);
 	bool                                    planCall(Task&);
+	SampleCall&                             newCall(Task&);
 	bool                                    planIce(Task&);
 	bool                                    planMotion(Task&);
 	void                                    placeAll(std::vector<Task>& tasks, Part);
