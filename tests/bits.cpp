@@ -145,7 +145,9 @@ int main(int count, char** words)
 	tpic.name = "water, tpic", tpic.transfer = VelocityTransfer::tpic;
 	implicit.name = "water, implicit pressure", implicit.implicit = true;
 	weight.name = "heat, water, freezing, thaw front, weight in cells", weight.cellWeight = true;
-	for (const Scene& scene : { dryApic, tpic, implicit, warm, frozen, weight, allOwn, withWalls, withBall, iceRichWet, heaving })
+	const Scene endless         = withoutEnds(iceRichWet, "all, thaw strain, periodic sides"),
+	            endlessImplicit = withoutEnds(allImplicit, "all, implicit, periodic sides");
+	for (const Scene& scene : { dryApic, tpic, implicit, warm, frozen, weight, allOwn, withWalls, withBall, iceRichWet, heaving, endless, endlessImplicit })
 		if (("plane, " + std::string(scene.name)).find(only) != std::string::npos) allWays<2>(scene, steps);
 	for (const Scene& scene : { dryApic, frozen, withWalls, withBall, iceRichWet, heaving })
 		if (("space, " + std::string(scene.name)).find(only) != std::string::npos) allWays<3>(scene, steps / 4);

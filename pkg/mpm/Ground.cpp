@@ -279,7 +279,7 @@ template <int D> Balance<D> Ground<D>::balance() const
 				const double v = g.motion->velocity[a][p], vl = g.water ? g.water->velocity[a][p] : 0.0;
 				b.momentum[a] += moving * v + liquid * vl;
 				b.kineticEnergy += 0.5 * (moving * v * v + liquid * vl * vl);
-				b.gravityEnergy -= (moving + liquid) * gravity[a] * g.motion->position[a][p];
+				b.gravityEnergy -= (moving + liquid) * gravity[a] * (g.grid.isPeriodic(a) ? g.motion->displacement : g.motion->position)[a][p];
 			}
 		}
 		if (g.heat) b.enthalpy += g.heat->enthalpy[p];

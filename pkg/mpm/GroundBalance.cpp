@@ -38,7 +38,11 @@ template <int D> void Ground<D>::Parts::findForcesAtRest()
 		        if (water) water->map(w, averagingCells());
 		        if (surface) surface->map(w);
 	        },
-	        [](HaloExchange&) {});
+	        [&](HaloExchange& rows) {
+		        rows.nodes(motion->nodes);
+		        if (water) rows.nodes(water->nodes);
+		        if (surface) rows.nodes(surface->nodes);
+	        });
 	if (surface) collectSurfaces(context());
 	momentum->addGravity(ranks.halo(), *motion, water.get());
 	for (std::size_t b = 0; b < settings.boundaries.size(); ++b)
@@ -108,7 +112,7 @@ template <int D> void Ground<D>::Parts::findReactions(const std::array<std::vect
 			        });
 		        }
 	        },
-	        [](HaloExchange&) {});
+	        [&](HaloExchange& rows) { rows.nodes(force); });
 }
 
 /// Adds the smallest stress, in the mean square over the volume, with which the forces on all nodes are zero: the strain of an elastic body of
@@ -136,7 +140,7 @@ template <int D> void Ground<D>::Parts::balanceStart()
 					        inverse[node][i] += points->volume()[w.first + k] * dot<D>(slope, slope);
 			        });
 	        },
-	        [](HaloExchange&) {});
+	        [&](HaloExchange& rows) { rows.nodes(inverse); });
 	const auto overAll = [&](auto&& work) {
 		ranks.halo().overNodes([&](int, int first, int last) {
 			for (int i = first; i < last; ++i)

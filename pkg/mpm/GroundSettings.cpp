@@ -203,13 +203,33 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	}
 }
 
+namespace {
+	/// Throws if a boundary is not the same on both sides that a PeriodicBoundary joins.
+	template <int D> void checkBeside(const Boundary<D>& joining, const std::string& number, const Boundary<D>& b, const Grid<D>& grid)
+	{
+		const Region<D>& r      = b.region();
+		const int        axis   = joining.region().on.axis;
+		const auto       refuse = [&](const std::string& why) {
+                        throw std::invalid_argument(number + " = " + b.name() + " on " + r.describe() + " beside PeriodicBoundary " + why);
+		};
+		if (r.kind == Region<D>::Kind::side && r.on.axis == axis) refuse("acts on a side that this joins with the opposite one; remove one of them");
+		if (b.usesNodes()) refuse("would have two places for one node of the ground; take a boundary of Talik");
+		if (r.kind == Region<D>::Kind::nodeBox && b.usesSurface()) refuse("has no single area at the sides; give the load on the surface");
+		if (r.boxLower[axis] > grid.lower()[axis] - grid.spacing() || r.boxUpper[axis] < grid.upper()[axis] + grid.spacing())
+			refuse("ends between the sides that this joins; leave its limits along this axis out, or let them lie two cells outside of the box");
+	}
+} // namespace
+
 template <int D> void checkBoundaries(const GroundSettings<D>& settings, const Grid<D>& grid)
 {
 	for (std::size_t i = 0; i < settings.boundaries.size(); ++i) {
 		const auto& b = settings.boundaries[i];
 		if (!b) throw std::invalid_argument("MpmEngine.boundaries[" + std::to_string(i) + "] is empty; give a boundary condition");
 		const std::string effect  = b->effect();
-		const bool        present = effect == "motion" ? bool(settings.motion) : effect == "heat" ? bool(settings.heat) : bool(settings.water);
+		const bool        present = effect.empty()
+		        || (effect == "motion"         ? bool(settings.motion)
+		                    : effect == "heat" ? bool(settings.heat)
+		                                       : bool(settings.water));
 		if (!present)
 			throw std::invalid_argument(
 			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + b->region().describe() + ": the scene has no "
@@ -219,6 +239,10 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe()
 			        + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
+		for (std::size_t j = 0; b->joinsSides() && j < settings.boundaries.size(); ++j)
+			if (j != i && settings.boundaries[j]) checkBeside(*b, "MpmEngine.boundaries[" + std::to_string(j) + "]", *settings.boundaries[j], grid);
+		if (b->joinsSides() && settings.bodies)
+			throw std::invalid_argument("PeriodicBoundary in ground that meets bodies: these are not repeated; leave bodies out, or take walls");
 		if (b->accelerates() && settings.water)
 			throw std::invalid_argument(
 			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name()

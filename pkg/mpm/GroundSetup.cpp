@@ -207,6 +207,7 @@ template <int D> void Ground<D>::Parts::fillPoints()
 template <int D> void Ground<D>::Parts::placePoints()
 {
 	points->allocate(given.count);
+	if (!grid.images().empty()) points->strips().images = &grid.images();
 	if (settings.materials.size() > 1) points->distinguishMaterials();
 	bindEffects();
 	fillPoints();
@@ -352,6 +353,8 @@ template <int D> void Ground<D>::initialise()
 	g.grid = Grid<D>(g.settings.lower, g.settings.upper, g.settings.gridSpacing);
 	checkSettings(g.settings);
 	checkBoundaries(g.settings, g.grid);
+	for (const auto& b : g.settings.boundaries)
+		if (b->joinsSides()) g.grid.joinSides(b->region().on.axis);
 	if (!g.given.at) takePoints(int(g.given.list.size()), [&g](int id) { return g.given.list[id]; });
 	checkPoints(g.settings, g.grid, g.given.count, g.given.at);
 	g.shape = makeShapeFunction<D>(g.settings.shapeFunction);

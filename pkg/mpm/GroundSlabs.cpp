@@ -18,6 +18,7 @@ template <int D> bool Ground<D>::inBands() const { return bool(parts_->ranks); }
 template <int D> std::string Ground<D>::Parts::refusalOfRanks() const
 {
 	if (settings.motion && settings.motion->balanceStart) return "balanceStart is one system for the whole ground: choose 'samples', or leave it out.";
+	if (!grid.images().empty()) return "PeriodicBoundary repeats the ground of one rank: choose 'samples', or leave it out.";
 	return "";
 }
 

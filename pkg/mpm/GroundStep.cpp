@@ -137,7 +137,7 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	motion->kept   = keptFraction(settings.motion->usedPicTime(h), clock.dt);
 	if (!water) return;
 	for (int a = 0; a < D; ++a)
-		water->weight[a] = liquidDensity() * settings.motion->gravity[a];
+		water->setWeight(grid, a, liquidDensity() * settings.motion->gravity[a]);
 	const double given = settings.water->picTime, used = std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given;
 	water->kept = keptFraction(water->scales.largest > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
 }
@@ -355,7 +355,7 @@ template <int D> void Ground<D>::Parts::seep(const StepContext<D>& step)
 	if (!waterRests)
 		passes.scatter(
 		        passes.seepage, [&](const WeightBlock<D>& w) { water->seep(w, step.dt, liquidDensity(), enthalpyModel()); },
-		        [&](HaloExchange& rows) { rows.nodes(water->exchange); });
+		        [&](HaloExchange& rows) { rows.nodes(water->exchange, PoreWater<D>::exchangeSize); });
 	overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
 		water->drain(step, patch, boundary.recharges(), liquid(), heat ? &heat->mapped : nullptr);
 	});
@@ -364,8 +364,8 @@ template <int D> void Ground<D>::Parts::seep(const StepContext<D>& step)
 		step.owned.overNodes([&](int, int first, int last) {
 			double work = 0.0;
 			for (int i = first; i < last; ++i)
-				work += water->pressureAtNode(i) * water->exchange[i][PoreWater<D>::Gathered::water];
-			ledger.ofNode(first).porePressureWork += strainWork.pressureAtStart * work / liquidDensity();
+				if (ledger.counts(i)) work += water->pressureAtNode(i) * water->exchange[i][PoreWater<D>::Gathered::water];
+			ledger.ofRows(first).porePressureWork += strainWork.pressureAtStart * work / liquidDensity();
 		});
 	water->finishExchange(step.owned);
 }
@@ -405,6 +405,7 @@ template <int D> void Ground<D>::Parts::gatherFromGrid(const StepContext<D>& ste
 		        if (water) water->shareCells(rows);
 	        },
 	        [&](int strip, int first, int last) {
+		        if (!grid.images().empty()) points->wrap(grid, first, last);
 		        if (motion) positions.bound(*points, strip, first, last);
 	        },
 	        PassPart { bool(water), CostMeter::water,

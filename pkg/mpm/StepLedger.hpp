@@ -69,12 +69,18 @@ public:
 	        , cellsOfStrip_(Strips::rows * grid.cellStride(grid.slowAxis()))
 	        , strips_((grid.cellCount() + cellsOfStrip_ - 1) / cellsOfStrip_)
 	        , pairs_(std::max((grid.nodeCount() + nodesOfPair_ - 1) / nodesOfPair_, 2 * strips_ + 1))
+	        , ofImages_(grid.images().empty() ? 0 : pairs_.size())
+	        , grid_(&grid)
 	{}
 
 	void clear() { std::fill(pairs_.begin(), pairs_.end(), StepAccount<D> {}); }
 
 	/// May be called by several threads, for nodes of different pairs of rows.
-	StepAccount<D>& ofNode(int node) { return pairs_[node / nodesOfPair_]; }
+	StepAccount<D>& ofNode(int node) { return (counts(node) ? pairs_ : ofImages_)[node / nodesOfPair_]; }
+	/// False for a node that periodic sides repeat: what it does is booked with the node whose image it is.
+	bool counts(int node) const { return ofImages_.empty() || grid_->original(node) == node; }
+	/// Of the rows of a node.
+	StepAccount<D>& ofRows(int node) { return pairs_[node / nodesOfPair_]; }
 	StepAccount<D>& ofCell(int cell) { return ofStrip(cell / cellsOfStrip_); }
 	/// May be called by several threads, for different strips.
 	StepAccount<D>& ofStrip(int strip) { return pairs_[2 * strip + 1]; }
@@ -95,6 +101,8 @@ public:
 private:
 	int                         nodesOfPair_ = 1, cellsOfStrip_ = 1, strips_ = 0;
 	std::vector<StepAccount<D>> pairs_, byStrip_;
+	std::vector<StepAccount<D>> ofImages_; ///< is never read; empty without periodic sides
+	const Grid<D>*              grid_ = nullptr;
 };
 
 } // namespace talik

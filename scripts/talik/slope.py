@@ -9,8 +9,9 @@ import math
 
 import numpy as np
 
+from talik import layers as groundLayers
 from talik import rve
-from talik.geometry import Solid, surfaceHeight
+from talik.geometry import Solid, rectangle, surfaceHeight
 from yade import wrapper
 
 
@@ -94,6 +95,67 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 		sampleOf[own] = [place[number] for number in ofOwn]
 		law.samples, law.scenes = [one for one, isPacked in zip(banded, packed) if isPacked], [one for one, isPacked in zip(banded, packed) if not isPacked]
 		law.sampleOf = sampleOf.tolist()
+
+
+def infiniteColumn(mpm, angle, layers, waterDepth=math.inf, lateralRatio=1.0, pointsPerCell=None, cells=1):
+	"""Makes an MpmEngine in the plane a column of a slope without end, in balance at the start; returns {name: ids of the points (n,)}.
+
+	The grid lies along the slope, x downhill and y across it. The column gets the box, gravity, a PeriodicBoundary on its sides and a
+	FixedBoundary below, which come before boundaries that it has; grid spacing, effects and skeleton law are those of the MpmEngine.
+
+	mpm            without points, with gridSpacing; gravity is 9.81 m/s2
+	angle          of the slope [degrees], 0 to below 90
+	layers         {name: dict(thickness=m across the slope, …)} from the surface down, otherwise as in talik.layers.fill without polygon
+	waterDepth     depth of the water table across the slope [m], with pore water: water below it flows parallel to the slope
+	lateralRatio   effective stress along the slope over that across it [-]; 1: that of a slope which yields without dilation
+	pointsPerCell  a square number; default 4
+	cells          width of the column [cells]: 1 where all is the same along the slope
+
+	A column stands on its base whatever thaws above; compare talik.slope.infiniteSlope.
+
+	>>> mpm = MpmEngine(gridSpacing=0.25, skeleton=MohrCoulombSkeleton(frictionAngle=30), water=PoreWater(conductivity=1e-6))
+	>>> layers = talik.slope.infiniteColumn(mpm, angle=15, layers={"peat": dict(thickness=0.5, porosity=0.8), "silt": dict(thickness=2)}, waterDepth=0.5)
+	>>> len(layers["silt"])
+	32"""
+	if not 0 <= angle < 90 or lateralRatio <= 0 or waterDepth < 0:
+		raise ValueError(
+			f"infiniteColumn: angle is {angle}, lateralRatio {lateralRatio}, waterDepth {waterDepth}; give an angle of 0 to below 90 degrees, a ratio "
+			f"above 0 and a depth in m, 0 or more"
+		)
+	if mpm.water is None and waterDepth < math.inf:
+		raise ValueError("infiniteColumn: waterDepth is given, and the ground has no water; set water=PoreWater(), or leave it out")
+	if mpm.pointCount:
+		raise ValueError(f"infiniteColumn: the ground has {mpm.pointCount} points already; give an MpmEngine without")
+	h, total = mpm.gridSpacing, sum(_thicknessOf(name, layer) for name, layer in layers.items())
+	along, across = 9.81 * math.sin(math.radians(angle)), 9.81 * math.cos(math.radians(angle))
+	roomAbove = 4  # cells: for heave
+	mpm.lower, mpm.upper, mpm.gravity = (0, 0), (cells * h, h * (math.ceil(round(total / h, 6)) + roomAbove)), (along, -across)
+	mpm.boundaries = [wrapper.PeriodicBoundary(region="left"), wrapper.FixedBoundary(region="bottom"), *mpm.boundaries]
+	base = [total - sum(layer["thickness"] for layer in list(layers.values())[: k + 1]) for k in range(len(layers))]
+	liquid = next(iter(layers.values())).get("material", mpm.material).liquidDensity
+
+	def pressure(x, y):
+		return liquid * across * np.maximum(0.0, total - waterDepth - y) if mpm.water is not None else 0 * y
+
+	def stress(x, y):
+		mass = sum(d * np.clip(b + layer["thickness"] - y, 0, layer["thickness"]) for d, b, layer in zip(densities, base, layers.values()))
+		normal = np.minimum(0.0, pressure(x, y) - mass * across)
+		return np.stack([lateralRatio * normal, normal, lateralRatio * normal, mass * along], axis=1)
+
+	placed = {}
+	for (name, layer), b in zip(layers.items(), base):
+		outline = rectangle(0, b, cells * h, b + layer["thickness"])
+		placed[name] = dict(polygon=outline, stress=stress, **({} if mpm.water is None or "pressure" in layer else dict(pressure=pressure)))
+		placed[name].update({key: value for key, value in layer.items() if key != "thickness"})
+	densities = [groundLayers.densityOf(mpm, layer) for layer in placed.values()]
+	return groundLayers.fill(mpm, placed, pointsPerCell)
+
+
+def _thicknessOf(name, layer):
+	thickness = layer.get("thickness", 0)
+	if not thickness > 0:
+		raise ValueError(f"infiniteColumn: layer '{name}' has thickness {thickness!r}; give its thickness across the slope in m, above 0")
+	return thickness
 
 
 def infiniteSlope(angle, depth, frictionAngle, cohesion=0.0, unitWeight=19e3, waterDepth=math.inf, waterWeight=9810.0):

@@ -18,7 +18,7 @@ import numpy as np
 import talik
 from yade import O
 
-thermalBoundaries = ("SurfaceTemperature", "WallTemperature", "HeatFlux", "HeatSource", "InsulatedBoundary")
+thermalBoundaries = ("PeriodicBoundary", "SurfaceTemperature", "WallTemperature", "HeatFlux", "HeatSource", "InsulatedBoundary")
 
 
 def spinUp(mpm, days, boundaries=None, told=None):

@@ -24,6 +24,7 @@ struct Scene {
 	double           segregation = 0.0; ///< potential [m^2/(s K)]; infinite: computed, with a lens behind its fringe
 	int              columns     = 0;   ///< of points, along the slope; 0: all that have room
 	bool             implicit = false, cellWeight = false;
+	bool             periodic = false; ///< left and right are joined, and ground fills the box between them
 };
 
 /// Two soils, a wall that moves in, rain, and boundaries that act in boxes, on discs and on a side, across the borders of strips.
@@ -74,6 +75,11 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	s.boundaries = { std::make_shared<RollerBoundary<D>>(Region<D>::side("left")), std::make_shared<RollerBoundary<D>>(Region<D>::side("right")),
 		         std::make_shared<FixedBoundary<D>>(Region<D>::side("bottom")),
 		         std::make_shared<Traction<D>>(Region<D>::freeSurface(), TimeTable({ 0.0, day }, { 0.0, 2e3 })) };
+	if (scene.periodic) {
+		s.boundaries.erase(s.boundaries.begin());
+		s.boundaries[0]      = std::make_shared<PeriodicBoundary<D>>(Region<D>::side("right"));
+		s.motion->gravity[0] = 4.0;
+	}
 	if (scene.heat) {
 		s.heat.emplace();
 		s.heat->thermalTimeScale = 1e5;
@@ -119,7 +125,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 			p.position[b] = 0.5 * h * (i[b] + 0.5);
 		p.temperature = p.position[0] < 1.1 ? -2.0 : 1.0;
 		p.material    = scene.walls && p.position[D - 1] < 0.2 ? 1 : 0;
-		p.velocity[0] = (D == 2 ? 3.0 : 8.0) * p.position[D - 1];
+		p.velocity[0] = (scene.periodic ? 10.0 : D == 2 ? 3.0 : 8.0) * p.position[D - 1];
 		p.skeleton    = p.position[D - 1] > 0.25 ? 1 : 0;
 		ground->addPoint(p);
 		for (a = 0; a < D && ++i[a] == n[a]; ++a)
@@ -158,6 +164,15 @@ inline Scene withImplicitPressure(Scene scene, const char* name)
 {
 	scene.name     = name;
 	scene.implicit = true;
+	return scene;
+}
+
+/// From side to side in the plane.
+inline Scene withoutEnds(Scene scene, const char* name)
+{
+	scene.name     = name;
+	scene.periodic = true;
+	scene.columns  = 76;
 	return scene;
 }
 

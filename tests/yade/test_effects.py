@@ -197,6 +197,11 @@ refused = {
 	"misspelt point value": (dict(**heat, pointValues=[("temprature", 1)]), "temprature", "choose among position, volume, porosity, temperature"),
 	"missing skeleton": (dict(**motion, pointValues=[("skeleton", 3)]), "skeleton = 3", "0 to 0"),
 	"unknown region": (dict(**motion, boundaries=lambda: [FixedBoundary(region="lefft")]), "FixedBoundary.region is 'lefft'", "choose left, right"),
+	"a wall on a periodic side": (
+		dict(**motion, boundaries=lambda: [PeriodicBoundary(region="left"), RollerBoundary(region="right")]),
+		"RollerBoundary on side right beside PeriodicBoundary",
+		"remove one of them",
+	),
 	"two conditions on one side": (
 		dict(**motion, boundaries=lambda: [FixedBoundary(region="left"), RollerBoundary(region="left")]),
 		"RollerBoundary",

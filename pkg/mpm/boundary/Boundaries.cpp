@@ -6,6 +6,15 @@
 
 namespace talik {
 
+template <int D> void PeriodicBoundary<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->onSide() && this->region_.on.axis < D - 1, "must be a side of the box, and not bottom or top: it joins two opposite sides");
+	Boundary<D>::validate(grid);
+}
+
+template class PeriodicBoundary<2>;
+template class PeriodicBoundary<3>;
+
 // ---- mechanical ------------------------------------------------------------------------------------------------------------
 
 template <int D> void FixedBoundary<D>::validate(const Grid<D>& grid) const

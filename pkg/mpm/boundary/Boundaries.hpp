@@ -5,6 +5,16 @@
 
 namespace talik {
 
+/// Joins a side with the opposite one: the ground is repeated behind both, Grid::joinSides().
+template <int D> class PeriodicBoundary final : public Boundary<D> {
+public:
+	explicit PeriodicBoundary(const Region<D>& region)
+	        : Boundary<D>(region, "PeriodicBoundary", "")
+	{}
+	void validate(const Grid<D>& grid) const override;
+	bool joinsSides() const override { return true; }
+};
+
 // ---- mechanical ------------------------------------------------------------------------------------------------------------
 
 /// Rough, impermeable wall: v_s = v_l = 0 on a side or on the nodes of a box.

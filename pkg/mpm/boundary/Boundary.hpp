@@ -180,7 +180,7 @@ public:
 	virtual ~Boundary() = default;
 
 	const std::string& name() const { return name_; }
-	/// Effect that must be present: "motion", "heat" or "water".
+	/// Effect that must be present: "motion", "heat" or "water"; "": it acts on any.
 	const std::string& effect() const { return effect_; }
 	/// Throws std::invalid_argument naming attribute, value and remedy.
 	virtual void validate(const Grid<D>& grid) const;
@@ -188,6 +188,8 @@ public:
 	const Region<D>& region() const { return region_; }
 
 	virtual void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const {}
+	/// True if it joins its side with the opposite one.
+	virtual bool joinsSides() const { return false; }
 	/// True if its nodes have a prescribed velocity other than zero, velocity(time) [m/s].
 	virtual bool   moves() const { return false; }
 	virtual Vec<D> velocity(double time) const;

@@ -40,6 +40,7 @@ template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid, bool fe
 	if (fed_) liquids_.reset(std::size_t(n) * corners);
 	baseNodes_.reset(n);
 	squares_.reset(n);
+	images_ = &grid.images();
 	for (auto& faces : faces_)
 		faces.reset(n);
 	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &preconditioned_ })
@@ -49,10 +50,16 @@ template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid, bool fe
 		field->allocate(grid.nodeCount());
 	carried_.reset(grid.nodeCount());
 	open_.assign(grid.nodeCount(), Vec<D> {});
+	for (int a = 0; a < D; ++a)
+		for (auto* beside : { &next_[a], &before_[a] }) {
+			beside->reset(n);
+			for (int c = 0; c < n; ++c)
+				(*beside)[c] = grid.neighbour(c, a, beside == &next_[a] ? 1 : -1);
+		}
 	for (int c = 0; c < n; ++c) {
 		baseNodes_[c] = 0;
 		for (int a = 0; a < D; ++a)
-			baseNodes_[c] += placeOf(grid, c, a) * grid.nodeStride(a);
+			baseNodes_[c] += grid.place(c, a) * grid.nodeStride(a);
 	}
 	std::iota(byStride_.begin(), byStride_.end(), 0);
 	std::sort(byStride_.begin(), byStride_.end(), [&](int a, int b) { return grid.nodeStride(a) > grid.nodeStride(b); });
@@ -172,7 +179,7 @@ void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<
 			of[count] = c;
 			for (int a = 0; a < D; ++a)
 				for (const int side : { 0, 1 }) {
-					const double wide = 1.0 - 2.0 * std::abs(cell.middle[a]), place = placeOf(grid, c, a) + 0.5 + cell.middle[a];
+					const double wide = 1.0 - 2.0 * std::abs(cell.middle[a]), place = grid.place(c, a) + 0.5 + cell.middle[a];
 					places[a][2 * count + side] = grid.lower()[a] + spacing_ * (place + (side ? 0.25 : -0.25) * wide);
 				}
 			if (++count == atOnce) link();
@@ -236,6 +243,7 @@ template <int D> void ImplicitPressure<D>::giveArea(const StepContext<D>& step, 
 			if (const int node = baseNodes_[c] + nodeOffset_[k]; mapped(node))
 				for (int a = 0; a < D; ++a)
 					surface.nodes[node][a] += link(c)[k * D + a];
+	foldImages(*images_, D, [&](int node) { return surface.nodes[node]; });
 }
 
 // ---- flow between cells ---------------------------------------------------------------------------------------------------
@@ -299,19 +307,19 @@ template <int D> double ImplicitPressure<D>::wayFrom(const Cell& cell, const Cel
 }
 
 /// The cell so many further along an axis, if it holds water; else -1.
-template <int D> int ImplicitPressure<D>::wetCell(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int by) const
+template <int D> int ImplicitPressure<D>::wetCell(const ActiveRange& range, int cell, int axis, int by) const
 {
-	const int  place = placeOf(grid, cell, axis) + by, other = cell + by * grid.cellStride(axis);
-	const bool inside = place >= 0 && place < grid.cells(axis) && other >= range.firstCell && other < range.lastCell;
-	return inside && cells_[other].state != none ? other : -1;
+	for (; by != 0 && cell >= range.firstCell && cell<range.lastCell; by -= by> 0 ? 1 : -1)
+		cell = by > 0 ? next_[axis][cell] : before_[axis][cell];
+	return cell >= range.firstCell && cell < range.lastCell && cells_[cell].state != none ? cell : -1;
 }
 
 /// Part of a cell that the thawed layer takes whose ground lies in front of it along an axis, and frozen ground behind it. A front melts points of the
 /// two cells behind it, too, because nodes are warmed on both sides of it: what has melted in the first three cells with ice is a layer that begins at
 /// the thawed ground. The first two see the same three cells. So the front goes on evenly, and passes from cell to cell without a jump.
-template <int D> double ImplicitPressure<D>::thawedPart(const Grid<D>& grid, const ActiveRange& range, int c, int axis, int side) const
+template <int D> double ImplicitPressure<D>::thawedPart(const ActiveRange& range, int c, int axis, int side) const
 {
-	const auto next       = [&](int by) { return wetCell(grid, range, c, axis, by * side); };
+	const auto next       = [&](int by) { return wetCell(range, c, axis, by * side); };
 	const auto liquidPart = [&](int at) { return cells_[at].liquidMass / (cells_[at].liquidMass + cells_[at].ice); };
 	const int  before = next(1), behind = next(-1);
 	if (before < 0 || behind < 0 || liquidPart(behind) >= liquidPart(c)) return 0.0;
@@ -326,7 +334,7 @@ template <int D> double ImplicitPressure<D>::thawedPart(const Grid<D>& grid, con
 }
 
 /// Cells that a thaw front passes, and the pressure of their thawed layer, eq. (7.6).
-template <int D> void ImplicitPressure<D>::findLayers(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water)
+template <int D> void ImplicitPressure<D>::findLayers(const ActiveRange& range, const PoreWater<D>& water)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
@@ -336,12 +344,12 @@ template <int D> void ImplicitPressure<D>::findLayers(const Grid<D>& grid, const
 			for (int a = 0; a < D; ++a)
 				for (const int side : { -1, 1 }) {
 					const double weight = side * water.weight[a] * spacing_;
-					if (const int before = wetCell(grid, range, c, a, side); before >= 0)
+					if (const int before = wetCell(range, c, a, side); before >= 0)
 						lowest = std::min(lowest, cells_[before].pressure - weight);
-					const double part = thawedPart(grid, range, c, a, side);
+					const double part = thawedPart(range, c, a, side);
 					if (part <= cell.part) continue;
 					cell.part      = part;
-					frozenPressure = cells_[c - side * grid.cellStride(a)].pressure + weight;
+					frozenPressure = cells_[wetCell(range, c, a, -side)].pressure + weight;
 				}
 			if (cell.part == 0.0) continue;
 			cell.layer           = cell.thawed / cell.part;
@@ -359,7 +367,7 @@ template <int D> void ImplicitPressure<D>::findMiddle(const Grid<D>& grid, int c
 	const double most = 0.5 * (1.0 - cell.fill);
 	for (int a = 0; a < D; ++a) {
 		const double place = (cell.middle[a] / cell.volume - grid.lower()[a]) * grid.inverseSpacing();
-		cell.middle[a]     = std::clamp(place - placeOf(grid, c, a) - 0.5, -most, most);
+		cell.middle[a]     = std::clamp(place - grid.place(c, a) - 0.5, -most, most);
 	}
 }
 
@@ -370,22 +378,22 @@ template <int D> double ImplicitPressure<D>::section(const Cell& cell, int axis,
 }
 
 /// Part of a face of a cell behind which there is ground, or the box.
-template <int D> double ImplicitPressure<D>::coveredAt(const Grid<D>& grid, const ActiveRange& range, int c, int axis, int side) const
+template <int D> double ImplicitPressure<D>::coveredAt(const ActiveRange& range, int c, int axis, int side) const
 {
-	const int s = grid.cellStride(axis), next = c + side * s, at = placeOf(grid, c, axis) + side;
-	if (at < 0 || at >= grid.cells(axis)) return section(cells_[c], axis, side);
-	return next < range.firstCell || next >= range.lastCell ? 0.0 : faces_[axis][std::min(c, next)].covered;
+	const int next = side > 0 ? next_[axis][c] : before_[axis][c];
+	if (next < 0) return section(cells_[c], axis, side);
+	return next < range.firstCell || next >= range.lastCell ? 0.0 : faces_[axis][side > 0 ? c : next].covered;
 }
 
-template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range)
+template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water)
 {
 	for (int a = 0; a < D; ++a)
 		range.overCells([&](int first, int last) {
 			for (int c = first; c < last; ++c) {
 				Face& f = faces_[a][c];
 				f       = {};
-				if (!hasNext(grid, range, c, a)) continue;
-				const Cell &here = cells_[c], &there = cells_[c + grid.cellStride(a)];
+				if (!hasNext(range, c, a)) continue;
+				const Cell &here = cells_[c], &there = cells_[next_[a][c]];
 				if (here.state == none || there.state == none) continue;
 				// a plane that cuts both leaves no less of their face than of the emptier one
 				f.covered = std::max({ section(here, a, 1), section(there, a, -1), std::min(here.fill, there.fill) });
@@ -394,20 +402,22 @@ template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const 
 				const double before = 0.5 - here.middle[a], behind = 0.5 + there.middle[a],
 				             farther = std::max(1.0, leastFill / (before + behind));
 				f.conductance        = faceArea_ / spacing_ * f.covered / (farther * (before / from + behind / to));
-				f.weight             = carriedAt(grid, c, a) * (here.height - there.height) + here.drivingExcess - there.drivingExcess;
+				// behind a periodic side heights go on
+				const double goesOn = next_[a][c] <= c ? water.weight[a] * grid.width(a) : 0.0;
+				f.weight            = carriedAt(grid, c, a) * (here.height - there.height + goesOn) + here.drivingExcess - there.drivingExcess;
 			}
 		});
 }
 
 /// What the faces of a cell leave uncovered. The divergence theorem gives its area and, as the volume of a pyramid, its distance from the middle of
 /// the ground; both are exact where the surface is a plane.
-template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surfaceIn(const Grid<D>& grid, const ActiveRange& range, int c) const
+template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surfaceIn(const ActiveRange& range, int c) const
 {
 	const Cell& cell = cells_[c];
 	Surface     s {};
 	double      pyramid = 0.0;
 	for (int a = 0; a < D; ++a) {
-		const double low = coveredAt(grid, range, c, a, -1), high = coveredAt(grid, range, c, a, 1);
+		const double low = coveredAt(range, c, a, -1), high = coveredAt(range, c, a, 1);
 		s.area[a] = low - high;
 		pyramid += cell.fill - low * (0.5 + cell.middle[a]) - high * (0.5 - cell.middle[a]);
 	}
@@ -441,17 +451,16 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 			cell.base          = cell.state == cavitated ? lowest : cell.pressure;
 		}
 	});
-	findSquares(grid, range);
-	findLayers(grid, range, water);
+	findSquares(range);
+	findLayers(range, water);
 	findCarried(range, motion, dt);
-	findFaces(grid, range);
+	findFaces(grid, range, water);
 	exposed_.clear();
 	for (int c = step.owned.firstCell; c < step.owned.lastCell; ++c) {
 		if (cells_[c].state == none) continue;
 		bool bare = false;
 		for (int a = 0; a < D; ++a)
-			bare = bare || placeOf(grid, c, a) == 0 || placeOf(grid, c, a) + 1 == grid.cells(a) || coveredAt(grid, range, c, a, -1) < 1.0
-			        || coveredAt(grid, range, c, a, 1) < 1.0;
+			bare = bare || next_[a][c] < 0 || before_[a][c] < 0 || coveredAt(range, c, a, -1) < 1.0 || coveredAt(range, c, a, 1) < 1.0;
 		if (bare) exposed_.push_back(c);
 	}
 }
@@ -495,15 +504,14 @@ void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D
 		Cell& cell = cells_[c];
 		for (int a = 0; a < D; ++a)
 			for (const int side : { -1, 1 }) {
-				const int at = placeOf(grid, c, a) + side;
-				if (at >= 0 && at < grid.cells(a)) continue;
+				if ((side > 0 ? next_ : before_)[a][c] >= 0) continue;
 				Vec<D> outward {};
 				outward[a] = side;
 				drainThrough(
 				        cell, section(cell, a, side) * openAt(grid, c, outward), 0.5 - side * cell.middle[a], outward, outside, recharges,
 				        water);
 			}
-		const Surface surface = surfaceIn(grid, range, c);
+		const Surface surface = surfaceIn(range, c);
 		const double  area    = lengthOf<D>(surface.area);
 		if (area == 0.0) continue;
 		Vec<D> outward;
@@ -539,6 +547,7 @@ template <int D> void ImplicitPressure<D>::forces(const ActiveRange& range, cons
 			}
 		});
 	}
+	foldImages(*images_, D, [&](int node) { return force[node]; });
 }
 
 /// sum B v of velocities that follow each other in memory.
@@ -560,19 +569,19 @@ template <int D> double ImplicitPressure<D>::divergence(int cell, const NodeFiel
 }
 
 /// Flow out of a cell that pressures drive [m^D/s].
-template <int D> double ImplicitPressure<D>::flowOut(const Grid<D>& grid, int c, const double* x) const
+template <int D> double ImplicitPressure<D>::flowOut(int c, const double* x) const
 {
 	double out = cells_[c].drained * x[c];
 	for (int a = 0; a < D; ++a) {
-		const int s = grid.cellStride(a);
-		if (faces_[a][c].conductance > 0.0) out += faces_[a][c].conductance * (x[c] - x[c + s]);
-		if (c >= s && faces_[a][c - s].conductance > 0.0) out += faces_[a][c - s].conductance * (x[c] - x[c - s]);
+		const int next = next_[a][c], before = before_[a][c];
+		if (faces_[a][c].conductance > 0.0) out += faces_[a][c].conductance * (x[c] - x[next]);
+		if (before >= 0 && faces_[a][before].conductance > 0.0) out += faces_[a][before].conductance * (x[c] - x[before]);
 	}
 	return out;
 }
 
 /// Which pairs of axes have all four cells from c on filled with water, a bit each.
-template <int D> void ImplicitPressure<D>::findSquares(const Grid<D>& grid, const ActiveRange& range)
+template <int D> void ImplicitPressure<D>::findSquares(const ActiveRange& range)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
@@ -580,35 +589,33 @@ template <int D> void ImplicitPressure<D>::findSquares(const Grid<D>& grid, cons
 			squares_[c] = 0;
 			for (int a = 0; a < D; ++a)
 				for (int b = a + 1; b < D; ++b, ++pair) {
-					const int sa = grid.cellStride(a), sb = grid.cellStride(b);
-					if (cells_[c].state == none || placeOf(grid, c, a) + 1 >= grid.cells(a) || placeOf(grid, c, b) + 1 >= grid.cells(b)
-					    || c + sa + sb >= range.lastCell)
-						continue;
-					if (cells_[c + sa].state != none && cells_[c + sb].state != none && cells_[c + sa + sb].state != none)
+					const int na = next_[a][c], nb = next_[b][c];
+					if (cells_[c].state == none || na < 0 || nb < 0 || next_[b][na] >= range.lastCell) continue;
+					if (cells_[na].state != none && cells_[nb].state != none && cells_[next_[b][na]].state != none)
 						squares_[c] |= 1 << pair;
 				}
 		}
 	});
 }
 
-/// What alternates over the four cells from c on, sa and sb cells apart; 0 if not all of them hold water.
-template <int D> double ImplicitPressure<D>::hourglass(int c, int pair, int sa, int sb, const double* x) const
+/// What alternates over the four cells from c on, along axes a and b; 0 if not all of them hold water.
+template <int D> double ImplicitPressure<D>::hourglass(int c, int pair, int a, int b, const double* x) const
 {
-	return c >= 0 && (squares_[c] >> pair & 1) ? x[c] - x[c + sa] - x[c + sb] + x[c + sa + sb] : 0.0;
+	return c >= 0 && (squares_[c] >> pair & 1) ? x[c] - x[next_[a][c]] - x[next_[b][c]] + x[next_[b][next_[a][c]]] : 0.0;
 }
 
 /// What a cell gives to others because pressures alternate [m^D].
-template <int D> double ImplicitPressure<D>::checkerboard(const Grid<D>& grid, int c, const double* x) const
+template <int D> double ImplicitPressure<D>::checkerboard(int c, const double* x) const
 {
 	double sum  = 0.0;
 	int    pair = 0;
 	for (int a = 0; a < D; ++a)
 		for (int b = a + 1; b < D; ++b, ++pair) {
-			const int sa = grid.cellStride(a), sb = grid.cellStride(b);
-			sum += hourglass(c, pair, sa, sb, x);
-			sum -= hourglass(c - sa, pair, sa, sb, x);
-			sum -= hourglass(c - sb, pair, sa, sb, x);
-			sum += hourglass(c - sa - sb, pair, sa, sb, x);
+			const int before = before_[a][c];
+			sum += hourglass(c, pair, a, b, x);
+			sum -= hourglass(before, pair, a, b, x);
+			sum -= hourglass(before_[b][c], pair, a, b, x);
+			sum += hourglass(before < 0 ? -1 : before_[b][before], pair, a, b, x);
 		}
 	return checkerboard_ * sum;
 }
@@ -627,9 +634,7 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 	momentum.unfoldChanges(step.halo, moved_);
 	step.owned.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c)
-			y[c] = cells_[c].state == none
-			        ? 0.0
-			        : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + flowOut(grid, c, x)) + checkerboard(grid, c, x);
+			y[c] = cells_[c].state == none ? 0.0 : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + flowOut(c, x)) + checkerboard(c, x);
 	});
 }
 
@@ -658,11 +663,11 @@ template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& s
 			}
 			double out = cell.drained * cell.pressure + cell.drives;
 			for (int a = 0; a < D; ++a) {
-				const int   s     = grid.cellStride(a);
-				const Face& ahead = faces_[a][c];
-				if (ahead.conductance > 0.0) out += ahead.conductance * (cell.pressure - cells_[c + s].pressure + ahead.weight);
-				if (c >= s && faces_[a][c - s].conductance > 0.0)
-					out += faces_[a][c - s].conductance * (cell.pressure - cells_[c - s].pressure - faces_[a][c - s].weight);
+				const int   before = before_[a][c];
+				const Face& ahead  = faces_[a][c];
+				if (ahead.conductance > 0.0) out += ahead.conductance * (cell.pressure - cells_[next_[a][c]].pressure + ahead.weight);
+				if (before >= 0 && faces_[a][before].conductance > 0.0)
+					out += faces_[a][before].conductance * (cell.pressure - cells_[before].pressure - faces_[a][before].weight);
 			}
 			const double off = cell.excess - cell.compliance * cell.pressure;
 			initial_[c]      = off + fed / liquidDensity - dt * out - dt * divergence(c, moved_);
@@ -677,7 +682,7 @@ template <int D> double ImplicitPressure<D>::movedAcross(const Grid<D>& grid, in
 	overCorners(grid, c, [&](int node, int corner) {
 		if (corner >> axis & 1) gives += response_[node][axis];
 	});
-	return faceArea_ * faceArea_ * cells_[c].fill * cells_[c + grid.cellStride(axis)].fill * gives / (1 << (D - 1));
+	return faceArea_ * faceArea_ * cells_[c].fill * cells_[next_[axis][c]].fill * gives / (1 << (D - 1));
 }
 
 /// The matrix of the preconditioner. A pressure that is the same in all cells moves the ground at its surface only; what it moves there is stored.
@@ -700,7 +705,8 @@ template <int D> void ImplicitPressure<D>::findPreconditioner(const StepContext<
 			m.storage = cells_[c].compliance + dt * cells_[c].drained;
 			if (c >= step.owned.firstCell && c < step.owned.lastCell) m.storage = std::max(m.storage, image_[c]);
 			for (int a = 0; a < D; ++a)
-				if (hasNext(grid, step.halo, c, a) && direction_[c + grid.cellStride(a)] != 0.0)
+				// without the faces of periodic sides: iterations find what these do
+				if (hasNext(step.halo, c, a) && next_[a][c] > c && direction_[next_[a][c]] != 0.0)
 					m.conductance[a] = dt * (faces_[a][c].conductance + movedAcross(grid, c, a));
 		}
 	});
@@ -798,23 +804,22 @@ template <int D> bool ImplicitPressure<D>::changeStates(const StepContext<D>& st
 	return step.onAnyRank(changed);
 }
 
-template <int D> void ImplicitPressure<D>::findMoved(const Grid<D>& grid, const ActiveRange& range, double dt)
+template <int D> void ImplicitPressure<D>::findMoved(const ActiveRange& range, double dt)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
 			Cell& cell = cells_[c];
 			cell.out   = dt * (cell.drained * (cell.pressure + change_[c]) + cell.drives);
 			for (int a = 0; a < D; ++a) {
-				Face&     f = faces_[a][c];
-				const int s = grid.cellStride(a);
-				if (!hasNext(grid, range, c, a) || cell.state == none || cells_[c + s].state == none) continue;
-				f.moved = dt * f.conductance * (cell.pressure + change_[c] - cells_[c + s].pressure - change_[c + s] + f.weight);
+				Face&     f    = faces_[a][c];
+				const int next = next_[a][c];
+				if (!hasNext(range, c, a) || cell.state == none || cells_[next].state == none) continue;
+				f.moved = dt * f.conductance * (cell.pressure + change_[c] - cells_[next].pressure - change_[next] + f.weight);
 				for (int b = 0; b < D; ++b) {
 					if (b == a) continue;
 					const int low = std::min(a, b), high = std::max(a, b), pair = low == 0 ? high - 1 : 2;
-					const int sl = grid.cellStride(low), sh = grid.cellStride(high);
-					f.moved += 0.5 * checkerboard_ * hourglass(c, pair, sl, sh, change_.data());
-					f.moved -= 0.5 * checkerboard_ * hourglass(c - grid.cellStride(b), pair, sl, sh, change_.data());
+					f.moved += 0.5 * checkerboard_ * hourglass(c, pair, low, high, change_.data());
+					f.moved -= 0.5 * checkerboard_ * hourglass(before_[b][c], pair, low, high, change_.data());
 				}
 			}
 		}
@@ -822,15 +827,14 @@ template <int D> void ImplicitPressure<D>::findMoved(const Grid<D>& grid, const 
 }
 
 /// The mean of what flows through both faces of a cell along an axis, and through its surface.
-template <int D> void ImplicitPressure<D>::findSeepage(const Grid<D>& grid, const ActiveRange& range, double dt, double liquidDensity)
+template <int D> void ImplicitPressure<D>::findSeepage(const ActiveRange& range, double dt, double liquidDensity)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
 			Cell& cell = cells_[c];
 			if (cell.state == none) continue;
 			for (int a = 0; a < D; ++a) {
-				const int    s       = grid.cellStride(a);
-				const double behind  = c >= s ? faces_[a][c - s].moved : 0.0;
+				const double behind  = before_[a][c] >= 0 ? faces_[a][before_[a][c]].moved : 0.0;
 				const double through = cell.drained > 0.0 ? cell.out * cell.leaves[a] / cell.drained : 0.0;
 				cell.flows[a]        = 0.5 * (faces_[a][c].moved + behind + through) * spacing_ * liquidDensity / (dt * cell.liquidMass);
 			}
@@ -861,8 +865,8 @@ void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& m
 		Multigrid::share(step, change_);
 		if (!changed) break;
 	}
-	findMoved(step.grid, step.halo, dt);
-	findSeepage(step.grid, step.owned, dt, liquidDensity);
+	findMoved(step.halo, dt);
+	findSeepage(step.owned, dt, liquidDensity);
 	forces(step.halo, change_.data(), force_);
 	momentum.correct(step.halo, motion, water, force_, response_, dt, step.ledger);
 }
@@ -893,19 +897,19 @@ template <int D> void ImplicitPressure<D>::bookDissipation(const StepContext<D>&
 		double lost = cell.drained > 0.0 ? cell.out * (cell.pressure + change_[c] + cell.drives / cell.drained) : 0.0;
 		for (int a = 0; a < D; ++a) {
 			const Face& f    = faces_[a][c];
-			const int   next = c + grid.cellStride(a);
+			const int   next = next_[a][c];
 			if (f.moved != 0.0) lost += f.moved * (cell.pressure + change_[c] - cells_[next].pressure - change_[next] + f.weight);
 		}
 		step.ledger.ofCell(c).dragDissipation += lost;
 	}
 }
 
-template <int D> double ImplicitPressure<D>::givenTemperature(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int step) const
+template <int D> double ImplicitPressure<D>::givenTemperature(const ActiveRange& range, int cell, int axis, int step) const
 {
 	const auto mean = [&](int c) { return cells_[c].warmth / cells_[c].liquidMass; };
-	const int  at = placeOf(grid, cell, axis) - step, s = step * grid.cellStride(axis), before = cell - s;
-	if (at < 0 || at >= grid.cells(axis) || before < range.firstCell || before >= range.lastCell || cells_[before].state == none) return mean(cell);
-	const double behind = mean(cell) - mean(before), ahead = mean(cell + s) - mean(cell); // the limiter of van Leer
+	const int  next = (step > 0 ? next_ : before_)[axis][cell], before = wetCell(range, cell, axis, -step);
+	if (before < 0) return mean(cell);
+	const double behind = mean(cell) - mean(before), ahead = mean(next) - mean(cell); // the limiter of van Leer
 	return behind * ahead > 0.0 ? mean(cell) + behind * ahead / (behind + ahead) : mean(cell);
 }
 
@@ -927,16 +931,16 @@ template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, 
 			if (cells_[c].state == none) continue;
 			double* const to = water.cellExchange(c);
 			for (int a = 0; a < D; ++a) {
-				const int    s     = grid.cellStride(a);
-				const double ahead = faces_[a][c].moved, behind = c - s >= step.halo.firstCell ? faces_[a][c - s].moved : 0.0;
+				const int    next = next_[a][c], before = before_[a][c];
+				const double ahead = faces_[a][c].moved, behind = before >= step.halo.firstCell ? faces_[a][before].moved : 0.0;
 				// both cells of a face ask for the same number, so that none is lost
 				const auto warmth = [&](int face, double moved) {
 					return !enthalpy      ? 0.0
-					        : moved > 0.0 ? givenTemperature(grid, step.halo, face, a, 1)
-					                      : givenTemperature(grid, step.halo, face + s, a, -1);
+					        : moved > 0.0 ? givenTemperature(step.halo, face, a, 1)
+					                      : givenTemperature(step.halo, next_[a][face], a, -1);
 				};
-				if (ahead != 0.0) take(to, ahead > 0.0 ? c : c + s, -liquidDensity * ahead, warmth(c, ahead));
-				if (behind != 0.0) take(to, behind > 0.0 ? c - s : c, liquidDensity * behind, warmth(c - s, behind));
+				if (ahead != 0.0) take(to, ahead > 0.0 ? c : next, -liquidDensity * ahead, warmth(c, ahead));
+				if (behind != 0.0) take(to, behind > 0.0 ? before : c, liquidDensity * behind, warmth(before, behind));
 			}
 			if (cells_[c].out != 0.0) take(to, c, -liquidDensity * cells_[c].out, cells_[c].warmth / cells_[c].liquidMass);
 		}

@@ -103,30 +103,26 @@ private:
 	};
 	double*       link(int cell) { return links_.data() + std::size_t(cell) * corners * D; }
 	const double* link(int cell) const { return links_.data() + std::size_t(cell) * corners * D; }
-	int           placeOf(const Grid<D>& grid, int cell, int axis) const { return cell / grid.cellStride(axis) % grid.cells(axis); }
-	bool          hasNext(const Grid<D>& grid, const ActiveRange& range, int cell, int axis) const
-	{
-		return placeOf(grid, cell, axis) + 1 < grid.cells(axis) && cell + grid.cellStride(axis) < range.lastCell;
-	}
-	void linkCell(int cell, const WeightBlock<D>& w, int k, const PoreWater<D>& water);
-	void foldLinks(int cell, const double* volumes, const PoreWater<D>& water);
+	bool          hasNext(const ActiveRange& range, int cell, int axis) const { return next_[axis][cell] >= 0 && next_[axis][cell] < range.lastCell; }
+	void          linkCell(int cell, const WeightBlock<D>& w, int k, const PoreWater<D>& water);
+	void          foldLinks(int cell, const double* volumes, const PoreWater<D>& water);
 	/// Place of a node among the corners of a cell.
 	int           cornerOf(int cell, int node) const;
 	static double wayFrom(const Cell& cell, const Cell& neighbour);
-	int           wetCell(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int by) const;
-	double        thawedPart(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
-	void          findLayers(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water);
+	int           wetCell(const ActiveRange& range, int cell, int axis, int by) const;
+	double        thawedPart(const ActiveRange& range, int cell, int axis, int side) const;
+	void          findLayers(const ActiveRange& range, const PoreWater<D>& water);
 	void          findCarried(const ActiveRange& range, const SolidMotion<D>& motion, double dt);
 	void          findMiddle(const Grid<D>& grid, int cell);
 	double        section(const Cell& cell, int axis, int side) const;
-	double        coveredAt(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
-	void          findFaces(const Grid<D>& grid, const ActiveRange& range);
+	double        coveredAt(const ActiveRange& range, int cell, int axis, int side) const;
+	void          findFaces(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water);
 	/// Surface of the ground in a cell: its area vector over the area of a face, and how far it lies from the middle of the ground, in spacings.
 	struct Surface {
 		Vec<D> area;
 		double distance;
 	};
-	Surface surfaceIn(const Grid<D>& grid, const ActiveRange& range, int cell) const;
+	Surface surfaceIn(const ActiveRange& range, int cell) const;
 	double  openAt(const Grid<D>& grid, int cell, const Vec<D>& outward) const;
 	void    drainThrough(Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges, const PoreWater<D>& water) const;
 	template <class Work> void overCorners(const Grid<D>& grid, int cell, Work&& work) const;
@@ -137,25 +133,26 @@ private:
 	double divergence(int cell, const NodeField<D>& values) const;
 	/// y of the cells of this rank, from x of those around them, too.
 	void   apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y);
-	double flowOut(const Grid<D>& grid, int cell, const double* x) const;
-	double checkerboard(const Grid<D>& grid, int cell, const double* x) const;
-	double hourglass(int cell, int pair, int sa, int sb, const double* x) const;
-	void   findSquares(const Grid<D>& grid, const ActiveRange& range);
+	double flowOut(int cell, const double* x) const;
+	double checkerboard(int cell, const double* x) const;
+	double hourglass(int cell, int pair, int a, int b, const double* x) const;
+	void   findSquares(const ActiveRange& range);
 	void   findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
 	double movedAcross(const Grid<D>& grid, int cell, int axis) const;
-	void   findSeepage(const Grid<D>& grid, const ActiveRange& range, double dt, double liquidDensity);
+	void   findSeepage(const ActiveRange& range, double dt, double liquidDensity);
 	void   findPreconditioner(const StepContext<D>& step, const MomentumSolver<D>& momentum);
 	/// Temperature of the water that a cell gives to the next one along an axis (step 1) or to the one before (-1): second order where it changes
 	/// evenly, and never beyond both cells [degC].
-	double                        givenTemperature(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int step) const;
+	double                        givenTemperature(const ActiveRange& range, int cell, int axis, int step) const;
 	template <class Work> double  sumOfStrips(const StepContext<D>& step, Work&& ofStrip);
 	template <class Value> double sum(const StepContext<D>& step, Value&& value);
 	template <class Value> double sumOfNodes(const StepContext<D>& step, Value&& value);
 	void                          iterate(const StepContext<D>& step, const MomentumSolver<D>& momentum, double& goal);
 	bool                          changeStates(const StepContext<D>& step);
-	void                          findMoved(const Grid<D>& grid, const ActiveRange& range, double dt);
+	void                          findMoved(const ActiveRange& range, double dt);
 
 	PagedArray<Cell>                 cells_;
+	std::array<PagedArray<int>, D>   next_, before_; ///< of each cell, those beside it along an axis; -1: none
 	PagedArray<int>                  baseNodes_;
 	PagedArray<unsigned char>        squares_; ///< see findSquares()
 	PagedArray<double>               links_;   ///< sum V grad S of each cell at its nodes
@@ -178,7 +175,8 @@ private:
 	double                           checkerboard_ = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
 	double                           cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0;
 	PointFields::Handle              seepageField_;
-	bool                             fed_ = false;
+	bool                             fed_    = false;
+	const std::vector<NodeImage>*    images_ = nullptr; ///< nodes that periodic sides repeat
 };
 
 extern template class ImplicitPressure<2>;

@@ -20,7 +20,8 @@ namespace {
 
 template <int D>
 MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
-        : constraints_(grid)
+        : images_(grid.images())
+        , constraints_(grid)
         , isWall_(grid.nodeCount(), 0)
 {
 	std::size_t loaded = 0;
@@ -503,7 +504,7 @@ void MomentumSolver<D>::keepAccount(
 	range.overNodes([&](int, int first, int last) {
 		StepAccount<D> sum;
 		for (int i = first; i < last; ++i)
-			for (int a = 0; a < D; ++a) {
+			for (int a = 0; a < D && ledger.counts(i); ++a) {
 				if (damped) {
 					if (!isWall_[i]) sum.impulse[a] += dt * damping_[i][a];
 					sum.dampingDissipation -= dt * damping_[i][a] * motion.solved[i][motion.velocityAt + a];
@@ -513,7 +514,7 @@ void MomentumSolver<D>::keepAccount(
 					sum.dragDissipation += dt * water->nodes[i][PoreWater<D>::dragAt] * w * w;
 				}
 			}
-		ledger.ofNode(first) += sum;
+		ledger.ofRows(first) += sum;
 	});
 }
 
@@ -610,6 +611,8 @@ template <int D> void MomentumSolver<D>::clearGhosts(const ActiveRange& range, N
 	for (const auto& m : mirrors_)
 		for (int a = 0; a < D && range.holds(m.ghost); ++a)
 			values[m.ghost][a] = 0.0;
+	for (const NodeImage& image : images_)
+		std::fill_n(values[image.node], D, 0.0);
 }
 
 template <int D> void MomentumSolver<D>::holdWalls(const ActiveRange& range, NodeField<D>& values) const
@@ -626,6 +629,8 @@ template <int D> void MomentumSolver<D>::unfoldChanges(const ActiveRange& range,
 		for (int a = 0; a < D && m.lead != 0.0 && range.holds(m.inner); ++a)
 			if (m.sign[a] < 0.0) change[m.wall()][a] = -m.lead * change[m.inner][a];
 	unfoldMirrors(range, change);
+	for (const NodeImage& image : images_)
+		std::copy_n(change[image.original], D, change[image.node]);
 }
 
 template <int D> void MomentumSolver<D>::unfoldMirrors(const ActiveRange& range, NodeField<D>& change) const

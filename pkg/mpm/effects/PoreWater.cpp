@@ -81,6 +81,13 @@ template <int D> void PoreWater<D>::keepOnly(const ActiveRange& r, int firstPoin
 	fills_.keepOnly(firstPoint, endPoint);
 }
 
+template <int D> void PoreWater<D>::setWeight(const Grid<D>& grid, int axis, double ofVolume)
+{
+	weight[axis]  = ofVolume;
+	along_[axis]  = grid.isPeriodic(axis) ? ofVolume : 0.0;
+	lifted_[axis] = ofVolume - along_[axis];
+}
+
 template <int D> void PoreWater<D>::clearCells(int first, int last)
 {
 	if (!cells_.empty()) std::fill(cells_.begin() + first, cells_.begin() + last, Cell {});
@@ -134,8 +141,8 @@ template <int D> double PoreWater<D>::thawedPressure(const Grid<D>& grid, const 
 	double       frozen = thawed, frozenPressure = mean, lowest = mean;
 	for (int a = 0; a < D; ++a)
 		for (const int side : { -1, 1 }) {
-			const int at = cell / grid.cellStride(a) % grid.cells(a) + side, next = cell + side * grid.cellStride(a);
-			if (at < 0 || at == grid.cells(a) || next < range.firstCell || next >= range.lastCell || !(cells_[next].liquidMass > 0.0)) continue;
+			const int next = grid.neighbour(cell, a, side);
+			if (next < range.firstCell || next >= range.lastCell || !(cells_[next].liquidMass > 0.0)) continue;
 			const double pressure = cells_[next].pressure - side * weight[a], liquid = liquidPart(next);
 			lowest = std::min(lowest, pressure);
 			if (liquid >= frozen || freezing_[next].mobility > conducts) continue;
@@ -269,7 +276,7 @@ void PoreWater<D>::addPotential(const Grid<D>& grid, const ActiveRange& range, c
 			const std::array<int, D> node   = grid.nodeOf(i);
 			double                   atNode = 0.0, held = 0.0;
 			for (int a = 0; a < D; ++a) {
-				atNode -= weight[a] * grid.nodePosition(a, node[a]);
+				atNode -= lifted_[a] * grid.nodePosition(a, node[a]);
 				held += heldAxes[i] >> a & 1 ? mass * gravity[a] * gravity[a] : -solid[motion.forceAt + a] * gravity[a];
 			}
 			atNode *= r[massAt];
@@ -287,7 +294,7 @@ template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range)
 	range.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			for (int a = 0; a < D; ++a)
-				force[i][a] *= -nodal[i][Driving::liquidFraction];
+				force[i][a] = (force[i][a] - along_[a] * nodes[i][volumeAt]) * -nodal[i][Driving::liquidFraction];
 	});
 }
 
@@ -437,29 +444,28 @@ void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, cons
 		for (int c = first; c < last; ++c)
 			freezing_[c].reached = reachedMobility(c, cells.cellVolume(c), dt, liquidDensity);
 	});
-	for (int a = 0; a < D; ++a) {
-		const int stride = grid.cellStride(a);
+	for (int a = 0; a < D; ++a)
 		range.overCells([&](int first, int last) {
 			for (int c = first; c < last; ++c) {
-				Face& face = faces_[a][c];
-				face       = {};
-				if (c / stride % grid.cells(a) == grid.cells(a) - 1 || c + stride >= range.lastCell) continue;
-				const double here = freezing_[c].reached, there = freezing_[c + stride].reached;
+				Face& face     = faces_[a][c];
+				face           = {};
+				const int next = grid.neighbour(c, a, 1);
+				if (next < 0 || next >= range.lastCell) continue;
+				const double here = freezing_[c].reached, there = freezing_[next].reached;
 				if (!(here > 0.0 && there > 0.0)) continue;
 				face.conductance = perSpacing * 2.0 * here * there / (here + there);
-				face.flow = face.conductance * (drivingPressure(c) - drivingPressure(c + stride) + liquidDensity * gravity[a] * grid.spacing());
+				face.flow = face.conductance * (drivingPressure(c) - drivingPressure(next) + liquidDensity * gravity[a] * grid.spacing());
 			}
 		});
-	}
 }
 
-template <int D> double PoreWater<D>::checkerboardFlux(const Face* faces, int cell, int stride, bool first, bool last) const
+template <int D> double PoreWater<D>::checkerboardFlux(const Face* faces, int face, int before, int after) const
 {
-	const Face& f = faces[cell];
+	const Face& f = faces[face];
 	if (!(f.conductance > 0.0)) return 0.0;
 	// beyond ice, a wall or the surface the flow goes on as it is
-	const auto beside = [&](bool none, int at) { return none || faces[at].conductance < tight * f.conductance ? f.flow : faces[at].flow; };
-	return 0.5 * f.flow - 0.25 * (beside(first, cell - stride) + beside(last, cell + stride));
+	const auto beside = [&](int at) { return at < 0 || faces[at].conductance < tight * f.conductance ? f.flow : faces[at].flow; };
+	return 0.5 * f.flow - 0.25 * (beside(before) + beside(after));
 }
 
 template <int D> void PoreWater<D>::stabiliseCells(const StepContext<D>& step, const CellMeans<D>& cells, const Vec<D>& gravity, const LiquidOfGround& liquid)
@@ -469,24 +475,23 @@ template <int D> void PoreWater<D>::stabiliseCells(const StepContext<D>& step, c
 	const double       dt = step.dt, liquidDensity = liquid.density;
 	findFaces(grid, range, cells, gravity, dt, liquidDensity);
 	const double sides      = 2.0 * (grid.isSlice() ? 2 : D);
+	const auto   inRange    = [&](int c) { return c >= range.firstCell && c < range.lastCell; };
 	const auto   compliance = [&](int c) { return cells_[c].liquidMass / (liquidDensity * settings->state.liquidBulkModulus); };
 	range.overCells([&](int firstCell, int lastCell) {
 		for (int c = firstCell; c < lastCell; ++c) {
 			Cell& cell = cells_[c];
 			if (!(cell.liquidMass > 0.0)) continue;
-			for (int a = 0; a < D; ++a) {
-				const int stride = grid.cellStride(a), at = c / stride % grid.cells(a), last = grid.cells(a) - 1;
+			for (int a = 0; a < D; ++a)
 				for (const bool ahead : { false, true }) {
-					if (ahead ? at == last : at == 0) continue;
-					const int from = ahead ? c : c - stride, place = ahead ? at : at - 1;
-					if (from < range.firstCell || from + stride >= range.lastCell) continue;
+					const int from = ahead ? c : grid.neighbour(c, a, -1), to = ahead ? grid.neighbour(c, a, 1) : c;
+					if (!inRange(from) || !inRange(to)) continue;
+					const int    before = grid.neighbour(from, a, -1), beyond = grid.neighbour(to, a, 1);
 					const double checkerboard = checkerboardFlux(
-					        faces_[a].data(), from, stride, place == 0 || from - stride < range.firstCell,
-					        place + 1 == last || from + 2 * stride >= range.lastCell);
+					        faces_[a].data(), from, inRange(before) ? before : -1, inRange(beyond) ? to : -1);
 					if (checkerboard == 0.0) continue;
-					const double least = std::min(compliance(from), compliance(from + stride));
+					const double least = std::min(compliance(from), compliance(to));
 					const double mass  = liquidDensity * dt * checkerboard / (1.0 + 2.0 * sides * dt * faces_[a][from].conductance / least);
-					const int    donor = mass > 0.0 ? from : from + stride;
+					const int    donor = mass > 0.0 ? from : to;
 					const double gained = ahead ? -mass : mass, share = gained / cells_[donor].liquidMass;
 					cell.exchange[Gathered::water] += gained;
 					if (liquid.enthalpy)
@@ -495,7 +500,6 @@ template <int D> void PoreWater<D>::stabiliseCells(const StepContext<D>& step, c
 					for (int i = 0; i < D; ++i)
 						cell.exchange[Gathered::momentum + i] += share * freezing_[donor].carried[i];
 				}
-			}
 		}
 	});
 }

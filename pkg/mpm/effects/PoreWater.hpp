@@ -53,6 +53,8 @@ public:
 	/// strain is, or points of one cell would drift apart in pressure without any force to bring them back. The mean pressure
 	/// that drives the liquid is the transpose.
 	void allocateCells(int cells, double cellVolume);
+	/// rho_l g along an axis in this step [N/m^3].
+	void setWeight(const Grid<D>& grid, int axis, double ofVolume);
 	void clearCells(int first, int last);
 	/// Only nodes, cells and points of this part are used from now on; all others are zero and take no memory.
 	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint);
@@ -225,7 +227,8 @@ private:
 	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
 	double thawedPressure(const Grid<D>& grid, const ActiveRange& range, int cell, const Vec<D>& weight) const;
 	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
-	double checkerboardFlux(const Face* faces, int cell, int stride, bool first, bool last) const;
+	/// before, after: the faces beside it along the axis, -1 for none.
+	double checkerboardFlux(const Face* faces, int face, int before, int after) const;
 	double reachedMobility(int cell, double volume, double dt, double liquidDensity) const;
 	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
 	/// s_p of eq. (7.7) and the surplus of some points from first on, and the former for stabilisePoints().
@@ -243,12 +246,12 @@ private:
 	TALIK_PROCESSOR_VERSIONS void fillRecords(
 	        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize],
 	        double (&values)[Liquid::size][blockSize]) const;
-	/// Gravity's potential per volume of liquid, -rho_l g.x [Pa].
+	/// Gravity's potential per volume of liquid, -rho_l g.x [Pa], without the axes of periodic sides, along which it has no single value.
 	double potential(int p) const
 	{
 		double sum = 0.0;
 		for (int a = 0; a < D; ++a)
-			sum -= weight[a] * position_[a][p];
+			sum -= lifted_[a] * position_[a][p];
 		return sum;
 	}
 	TALIK_PROCESSOR_VERSIONS void accelerate(int axis, int first, int count, const double* change);
@@ -259,7 +262,8 @@ private:
 	PagedArray<Cell>             cells_;
 	PagedArray<FreezingCell>     freezing_;
 	PagedArray<PointFill>        fills_;
-	std::vector<char>            open_; ///< nodes through whose surface water may cross in this step
+	Vec<D>                       along_ {}, lifted_ {}; ///< weight along axes with periodic sides, and along the others [N/m^3]
+	std::vector<char>            open_;                 ///< nodes through whose surface water may cross in this step
 	PointFields::Handle          velocity_, pressure_, liquidFraction_, drag_;
 	std::array<const double*, D> position_ {};
 	const double *               volume_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *temperature_ = nullptr;

@@ -103,7 +103,7 @@ bool PositionCheck<D>::leaves(
 	constexpr double rounding = 1e-13;
 	const double     size     = grid.spacing() * rounding;
 	for (int a = 0; a < D; ++a)
-		if (!(next[a] >= grid.lower()[a] - size && next[a] <= grid.upper()[a] + size)) return true;
+		if (!grid.isPeriodic(a) && !(next[a] >= grid.lower()[a] - size && next[a] <= grid.upper()[a] + size)) return true;
 	return false;
 }
 
@@ -115,7 +115,7 @@ typename PositionCheck<D>::Paths PositionCheck<D>::checkPaths(
 	const Grid<D>& grid     = step.grid;
 	const auto     mayLeave = [&](const Vec<D>& low, const Vec<D>& high) {
                 for (int a = 0; a < D; ++a)
-                        if (!(low[a] - reach >= grid.lower()[a] && high[a] + reach <= grid.upper()[a])) return true;
+                        if (!grid.isPeriodic(a) && !(low[a] - reach >= grid.lower()[a] && high[a] + reach <= grid.upper()[a])) return true;
                 return false;
 	};
 	leave_.assign(bounds_.size(), 0);

@@ -30,6 +30,7 @@ FrontNodes<D>::FrontNodes(const ThawFrontSettings& settings)
 
 template <int D> void FrontNodes<D>::bind(const Grid<D>& grid, const MaterialPoints<D>& points, double* side)
 {
+	grid_   = &grid;
 	points_ = &points;
 	side_   = side;
 	reach_  = offsetsOf(grid, -2, 1);
@@ -84,12 +85,16 @@ template <int D> void FrontNodes<D>::spreadSides(const ActiveRange& range)
 
 template <int D> void FrontNodes<D>::joinMirrors(const Mirrors& mirrors)
 {
-	const auto join = [&](const auto& m) {
-		unsigned char &ghost = sidesAt_[m.ghost + margin_], &inner = sidesAt_[m.inner + margin_];
-		ghost = inner = ghost | inner;
+	const auto join = [&](int first, int second) {
+		unsigned char &one = sidesAt_[first + margin_], &other = sidesAt_[second + margin_];
+		one = other = one | other;
 	};
-	std::for_each(mirrors.begin(), mirrors.end(), join);
-	std::for_each(mirrors.rbegin(), mirrors.rend(), join);
+	const auto joinBoth = [&](const auto& m) { join(m.ghost, m.inner); };
+	const auto repeat   = [&](const NodeImage& image) { join(image.node, image.original); };
+	std::for_each(grid_->images().begin(), grid_->images().end(), repeat);
+	std::for_each(mirrors.begin(), mirrors.end(), joinBoth);
+	std::for_each(mirrors.rbegin(), mirrors.rend(), joinBoth);
+	std::for_each(grid_->images().begin(), grid_->images().end(), repeat);
 	// where the sides part in front of a wall that has left its nodes, each has a velocity of its own on them too
 	for (const auto& m : mirrors)
 		if (m.lead != 0.0 && sidesAt_[m.inner + margin_] == bothBits) sidesAt_[m.wall() + margin_] = bothBits;

@@ -51,8 +51,9 @@ public:
 	/// work(slot) for the front nodes around a node, itself included.
 	template <class Work> void overBeside(int node, Work&& work) const
 	{
+		const int from = grid_->original(node);
 		for (const int step : beside_) {
-			const int other = node + step;
+			const int other = from + step;
 			if (other >= 0 && other < int(slot_.size()) && slot_[other] >= 0) work(slot_[other]);
 		}
 	}
@@ -66,6 +67,7 @@ private:
 	void markNear();
 
 	ThawFrontSettings          settings_;
+	const Grid<D>*             grid_   = nullptr;
 	const MaterialPoints<D>*   points_ = nullptr;
 	double*                    side_   = nullptr;
 	int                        margin_ = 0; ///< of the arrays by node below, so that a reach never leaves them

@@ -140,7 +140,7 @@ template <int D> void FrontTransfer<D>::addLoad(int slot, double mass, const Vec
 
 template <int D> void FrontTransfer<D>::shareMapped(const std::vector<int>& rowStarts, HaloExchange& rows)
 {
-	rows.someNodes(records_->firstSums(), R::sumsSize, rowStarts);
+	rows.someNodes(records_->firstSums(), R::sumsSize, rowStarts, nodes_->slots());
 }
 
 template <int D> const double* FrontTransfer<D>::correction(int node, int p) const

@@ -23,6 +23,7 @@ struct ActiveRange {
 		const int     axis = grid.slowAxis();
 		const double* x    = points.position(axis);
 		double        low = std::numeric_limits<double>::infinity(), high = -low;
+		if (!grid.images().empty()) low = grid.lower()[axis], high = grid.upper()[axis];
 		for (int p = points.strips().firstPoint(); p < points.strips().endPoint(); ++p) {
 			low  = std::min(low, x[p]);
 			high = std::max(high, x[p]);

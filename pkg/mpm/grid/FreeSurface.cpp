@@ -31,6 +31,8 @@ template <int D> void FreeSurface<D>::setBoundaries(const std::vector<std::share
 	for (const auto& b : boundaries)
 		if (b->region().kind == Region<D>::Kind::side) openSides_[b->region().on.axis][b->region().on.upper] = false;
 	openSides_[D - 1][1] = true; // the sky
+	for (int a = 0; a < D; ++a)
+		if (grid.isPeriodic(a)) openSides_[a][0] = openSides_[a][1] = false;
 	patches_.assign(boundaries.size(), {});
 	sideNodes_.assign(boundaries.size(), {});
 	std::size_t most = 0;
@@ -48,7 +50,8 @@ template <int D> void FreeSurface<D>::setBoundaries(const std::vector<std::share
 	if (most > 0) empty_.assign(grid.cellCount(), 0);
 	reached_.reserve(most > 0 ? grid.cellCount() : 0);
 
-	// boxes of nodes and bodies may lie anywhere
+	// boxes of nodes and bodies may lie anywhere, and near a periodic side the cells at the other one matter
+	needsAll_ = !grid.images().empty();
 	for (const auto& b : boundaries) {
 		needsAll_   = needsAll_ || (b->usesSurface() && (b->region().kind == Region<D>::Kind::nodeBox || b->region().kind == Region<D>::Kind::bodies));
 		needsSides_ = needsSides_ || (b->usesSurface() && b->region().kind == Region<D>::Kind::side);
@@ -69,7 +72,7 @@ template <int D> int FreeSurface<D>::paddedIndex(const Grid<D>& grid, int cell) 
 {
 	int index = 0;
 	for (int a = 0; a < D; ++a)
-		index += (cell / grid.cellStride(a) % grid.cells(a) + reach) * stride_[a];
+		index += (grid.place(cell, a) + reach) * stride_[a];
 	return index;
 }
 
@@ -128,17 +131,15 @@ template <int D> void FreeSurface<D>::findOpenAir(const Grid<D>& grid, const Cel
 	reached_.clear();
 	for (int c = 0; c < grid.cellCount(); ++c)
 		for (int a = 0; a < D; ++a) {
-			const int at = c / grid.cellStride(a) % grid.cells(a);
+			const int at = grid.place(c, a);
 			if ((at == 0 && openSides_[a][0]) || (at == grid.cells(a) - 1 && openSides_[a][1])) letAirIn(c);
 		}
 	while (!reached_.empty()) {
 		const int c = reached_.back();
 		reached_.pop_back();
-		for (int a = 0; a < D; ++a) {
-			const int stride = grid.cellStride(a), at = c / stride % grid.cells(a);
-			if (at > 0) letAirIn(c - stride);
-			if (at < grid.cells(a) - 1) letAirIn(c + stride);
-		}
+		for (int a = 0; a < D; ++a)
+			for (const int side : { -1, 1 })
+				if (const int next = grid.neighbour(c, a, side); next >= 0) letAirIn(next);
 	}
 }
 
@@ -158,21 +159,17 @@ template <int D> typename FreeSurface<D>::Emptiness FreeSurface<D>::emptinessAt(
 	const auto    fromNode = [](int back) { return 1.5 - back; }; // to the middle of the cell that many behind the one ahead of the node [cells]
 	for (int rowNumber = 0; rowNumber < (D == 2 ? reached : reached * reached); ++rowNumber) {
 		const int          back[2] = { nearestFirst[rowNumber % reached], nearestFirst[rowNumber / reached] };
-		std::array<int, D> cell;
-		bool               inside = true;
-		double             apart  = 0.0;
-		cell[0]                   = 0;
+		std::array<int, D> places;
+		double             apart = 0.0;
 		for (int a = 1; a < D; ++a) {
-			cell[a] = node[a] - back[a - 1];
-			inside  = inside && cell[a] >= 0 && cell[a] < grid.cells(a);
+			places[a] = node[a] - back[a - 1];
 			apart += fromNode(back[a - 1]) * fromNode(back[a - 1]);
 		}
-		if (!inside || apart > nearest) continue;
-		const Emptiness* const row = &emptiness_[grid.cellIndex(cell)];
+		if (apart > nearest) continue;
 		for (const int behind : nearestFirst) {
-			const int at = node[0] - behind;
-			if (at < 0 || at >= grid.cells(0)) continue;
-			const Emptiness here = row[at * grid.cellStride(0)];
+			places[0]       = node[0] - behind;
+			const int  cell = grid.cellAt(places);
+			const auto here = cell < 0 ? filled : emptiness_[cell];
 			if (here == filled) continue;
 			double distance = apart + fromNode(behind) * fromNode(behind), ahead = fromNode(behind) * area[0];
 			for (int a = 1; a < D; ++a)
@@ -188,21 +185,21 @@ template <int D> typename FreeSurface<D>::Emptiness FreeSurface<D>::emptinessAt(
 template <int D> bool FreeSurface<D>::atWall(const Grid<D>& grid, const CellMeans<D>& cells, const std::array<int, D>& node, int axis) const
 {
 	const bool lower = node[axis] <= 2, upper = node[axis] >= grid.cells(axis);
-	if (!lower && !upper) return false;
+	if (grid.isPeriodic(axis) || (!lower && !upper)) return false;
 	const double       enough = emptyFilling * grid.cellVolume();
 	std::array<int, D> low, high, cell;
 	for (int a = 0; a < D; ++a) {
-		low[a]  = std::max(0, node[a] - 3);
-		high[a] = std::min(grid.cells(a) - 1, node[a]);
+		low[a]  = grid.isPeriodic(a) ? node[a] - 3 : std::max(0, node[a] - 3);
+		high[a] = grid.isPeriodic(a) ? node[a] : std::min(grid.cells(a) - 1, node[a]);
 	}
 	for (const bool atUpper : { false, true }) {
 		if (atUpper ? !upper : !lower) continue;
 		low[axis] = high[axis] = atUpper ? grid.cells(axis) - 1 : 0;
 		for (int a = 0; a < D; ++a)
-			high[a] = std::max(high[a], 0), low[a] = std::min(low[a], high[a]);
+			if (!grid.isPeriodic(a)) high[a] = std::max(high[a], 0), low[a] = std::min(low[a], high[a]);
 		cell = low;
 		while (true) {
-			if (cells.cellVolume(grid.cellIndex(cell)) >= enough) return true;
+			if (cells.cellVolume(grid.cellAt(cell)) >= enough) return true;
 			int a = 0;
 			while (a < D && ++cell[a] > high[a])
 				cell[a] = low[a], ++a;

@@ -86,6 +86,32 @@ template <int D> std::array<int, D> Grid<D>::nodeOf(int index) const
 	return node;
 }
 
+/// Which nodes are the same, eq. (8.6).
+template <int D> void Grid<D>::joinSides(int axis)
+{
+	periodic_[axis] = true;
+	images_.clear();
+	originals_.resize(nodeCount_);
+	for (int n = 0; n < nodeCount_; ++n) {
+		std::array<int, D> node = nodeOf(n);
+		for (int a = 0; a < D; ++a)
+			if (periodic_[a]) node[a] = (node[a] - 1 + cells_[a]) % cells_[a] + 1;
+		originals_[n] = nodeIndex(node);
+		if (originals_[n] != n) images_.push_back({ n, originals_[n] });
+	}
+}
+
+template <int D> int Grid<D>::cellAt(const std::array<int, D>& places) const
+{
+	int index = 0;
+	for (int a = 0; a < D; ++a) {
+		const int n = cells_[a], place = periodic_[a] ? (places[a] % n + n) % n : places[a];
+		if (place < 0 || place >= n) return -1;
+		index += place * cellStride_[a];
+	}
+	return index;
+}
+
 template <int D> bool Grid<D>::contains(const Vec<D>& x) const
 {
 	for (int a = 0; a < D; ++a)

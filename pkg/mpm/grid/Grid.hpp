@@ -6,8 +6,14 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
 namespace talik {
+
+/// A node that periodic sides repeat, and the node between them whose values it has.
+struct NodeImage {
+	int node, original;
+};
 
 /// Uniform grid of nodes over the box [lower, upper], extended by one ghost layer on every side.
 /// Node coordinates count from the ghost layer: along each axis node 0 is the ghost, node 1 lies on the lower wall, node
@@ -35,6 +41,28 @@ public:
 	/// Whether this is a slice of space: one cell thick in one direction, and in one only.
 	bool isSlice() const { return D == 3 && std::count(cells_.begin(), cells_.end(), 1) == 1; }
 
+	/// Joins both sides of an axis: the ground goes on behind one of them as it begins at the other.
+	void joinSides(int axis);
+	bool isPeriodic(int axis) const { return periodic_[axis]; }
+	/// Width of the box along an axis [m].
+	double width(int axis) const { return cells_[axis] * spacing_; }
+	/// All nodes that periodic sides repeat; empty without such sides.
+	const std::vector<NodeImage>& images() const { return images_; }
+	/// The node between periodic sides whose values a node has: itself, if it lies there.
+	int original(int node) const { return originals_.empty() ? node : originals_[node]; }
+
+	/// Which cell along an axis a cell is, from 0 on.
+	int place(int cell, int axis) const { return cell / cellStride_[axis] % cells_[axis]; }
+	/// The next cell along an axis on one side (-1, 1); -1 behind a side of the box that is not periodic.
+	int neighbour(int cell, int axis, int side) const
+	{
+		const int at = place(cell, axis) + side;
+		if (at >= 0 && at < cells_[axis]) return cell + side * cellStride_[axis];
+		return periodic_[axis] ? cell - side * (cells_[axis] - 1) * cellStride_[axis] : -1;
+	}
+	/// The cell at these places; behind periodic sides that which is repeated there, behind others -1.
+	int cellAt(const std::array<int, D>& places) const;
+
 	/// Volume (area per metre of thickness in 2-D) of a cell [m^D].
 	double cellVolume() const;
 	/// Area (length per metre of thickness in 2-D) of a cell's face [m^(D-1)].
@@ -55,7 +83,24 @@ private:
 	double             spacing_ = 0.0, inverseSpacing_ = 0.0;
 	std::array<int, D> cells_ {}, nodeStride_ {}, cellStride_ {};
 	int                nodeCount_ = 0, cellCount_ = 0, slowAxis_ = D - 1;
+
+	std::array<bool, D>    periodic_ {};
+	std::vector<NodeImage> images_;
+	std::vector<int>       originals_; ///< empty without periodic sides
 };
+
+/// Numbers of nodes, which at(node) points to, null for none: those of each node and its images are added up, and all of them get the sum.
+template <class At> void foldImages(const std::vector<NodeImage>& images, int numbers, At&& at)
+{
+	const auto over = [&](auto&& work) {
+		for (const NodeImage& image : images)
+			if (double* const repeated = at(image.node))
+				for (int k = 0; k < numbers; ++k)
+					work(at(image.original)[k], repeated[k]);
+	};
+	over([](double& original, double& repeated) { original += repeated; });
+	over([](double& original, double& repeated) { repeated = original; });
+}
 
 /// Values on the nodes of the grid, a record of Size doubles per node. Fields that one pass over the points writes or reads
 /// together may lie in one record: the owner of the record gives columns of it to other fields, which are cleared with it.

@@ -83,6 +83,14 @@ template <int D> template <class At> void MaterialPoints<D>::findStrips(const Gr
 	findOrder(0, order.ofStrip(strips));
 }
 
+template <int D> void MaterialPoints<D>::wrap(const Grid<D>& grid, int first, int last)
+{
+	for (int a = 0; a < D; ++a)
+		for (double* x = position(a) + first; grid.isPeriodic(a) && x < position(a) + last; ++x)
+			if (*x < grid.lower()[a]) *x += grid.width(a);
+			else if (*x > grid.upper()[a]) *x -= grid.width(a);
+}
+
 template <int D> void MaterialPoints<D>::arrange(const Grid<D>& grid, const std::function<Vec<D>(int)>& at)
 {
 	findStrips(grid, at);

@@ -27,7 +27,8 @@ struct Strips {
 	bool             parallel = true; ///< false: one thread does all, which is faster for few points
 	std::vector<int> first;           ///< place of the first point of each strip; one more entry for the end
 
-	SlabDecomposition* slabs = nullptr; ///< strips are shared out among ranks: loops are over those of this one
+	SlabDecomposition*            slabs  = nullptr; ///< strips are shared out among ranks: loops are over those of this one
+	const std::vector<NodeImage>* images = nullptr; ///< nodes that periodic sides repeat; null: there are none
 
 	int count() const { return int(first.size()) - 1; }
 	/// Strips of this rank, and their points.
@@ -45,6 +46,10 @@ struct Strips {
 		if (slabs) slabs->handOver();
 		alternate(begin() + 1 - begin() % 2, work);
 		if (slabs) slabs->complete();
+		if (!images) return;
+		HaloExchange repeated;
+		share(repeated);
+		repeated.fold(*images);
 	}
 
 	/// work(strip, firstPoint, lastPoint) for all strips at once: for loops that write to their own points only.
@@ -116,6 +121,8 @@ public:
 	/// Gives points materials, 0 so far; after allocate().
 	void distinguishMaterials();
 
+	/// Points first .. last that have left through a periodic side come in at the other one.
+	void wrap(const Grid<D>& grid, int first, int last);
 	/// Before the first sorting: gives the points, of which only this is known, the places that sort() would give them, and cuts them into strips.
 	void arrange(const Grid<D>& grid, const std::function<Vec<D>(int id)>& at);
 	/// Sorts the points (stable) and cuts them into strips. In the plane the points of a cell follow each other, in space those with the

@@ -10,7 +10,8 @@
 
 namespace talik {
 
-/// Arrays by rows of nodes, or of cells, to which the points of several strips add. Rows are those along the grid's slowest axis.
+/// Arrays by nodes, or by cells, to which the points of several strips add, and points at both of two periodic sides. Rows are those along the
+/// grid's slowest axis.
 class HaloExchange {
 public:
 	enum class Of { nodes, cells, cellsByNode };
@@ -19,24 +20,43 @@ public:
 		std::size_t             number; ///< bytes of a node or cell
 		Of                      of;
 		const std::vector<int>* rowStarts; ///< of the numbers of each row of nodes, where only some nodes have any; null: all have
+		int                     summed;    ///< numbers at the beginning of a record of a node that points add to
+		const int*              slots;     ///< where only some nodes have a record: which one a node has, -1 for none
 	};
 
-	template <int Size> void nodes(NodeField<Size>& field)
+	/// summed: numbers at the beginning of a record that points add to.
+	template <int Size> void nodes(NodeField<Size>& field, int summed = Size)
 	{
-		if (field.ownsRecords()) add(field[0], Size, Of::nodes);
+		if (field.ownsRecords()) add(field[0], Size, Of::nodes, nullptr, summed);
 	}
 	template <class T> void cells(T* ofCellZero) { add(ofCellZero, 1, Of::cells); }
 	/// Of cells, each at the place of the node at its lower corner.
 	template <class T> void cellsByNode(T* ofNodeZero) { add(ofNodeZero, 1, Of::cellsByNode); }
-	void                    someNodes(double* begin, int numbers, const std::vector<int>& rowStarts) { add(begin, numbers, Of::nodes, &rowStarts); }
+	void                    someNodes(double* begin, int numbers, const std::vector<int>& rowStarts, const int* slots)
+	{
+		add(begin, numbers, Of::nodes, &rowStarts, numbers, slots);
+	}
+
+	/// After all points have added: nodes that periodic sides repeat have the sums of all that they are.
+	void fold(const std::vector<NodeImage>& images)
+	{
+		for (const Array& a : arrays) {
+			const auto record = [&](int node) {
+				const int place = a.slots ? a.slots[node] : node;
+				return place < 0 ? nullptr : reinterpret_cast<double*>(a.begin + place * a.number);
+			};
+			if (a.of == Of::nodes) foldImages(images, a.summed, record);
+		}
+		arrays.clear();
+	}
 
 	std::vector<Array> arrays;
 	bool               beyond = false; ///< the rows beyond those that both slabs touch are to be known, too
 
 private:
-	template <class T> void add(T* begin, int count, Of of, const std::vector<int>* rowStarts = nullptr)
+	template <class T> void add(T* begin, int count, Of of, const std::vector<int>* rowStarts = nullptr, int summed = 0, const int* slots = nullptr)
 	{
-		arrays.push_back({ reinterpret_cast<char*>(begin), count * sizeof(T), of, rowStarts });
+		arrays.push_back({ reinterpret_cast<char*>(begin), count * sizeof(T), of, rowStarts, summed, slots });
 	}
 };
 

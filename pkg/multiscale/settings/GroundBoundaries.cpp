@@ -55,6 +55,7 @@ GroundBoundary::Pointer<2> GroundBoundary::inPlane() const { refuseBase(); }
 GroundBoundary::Pointer<3> GroundBoundary::inSpace() const { refuseBase(); }
 
 template <int D> GroundBoundary::Pointer<D> RollerBoundary::make() const { return std::make_shared<talik::RollerBoundary<D>>(always<D>()); }
+template <int D> GroundBoundary::Pointer<D> PeriodicBoundary::make() const { return std::make_shared<talik::PeriodicBoundary<D>>(always<D>()); }
 template <int D> GroundBoundary::Pointer<D> FixedBoundary::make() const { return std::make_shared<talik::FixedBoundary<D>>(always<D>()); }
 template <int D> GroundBoundary::Pointer<D> MovingBoundary::make() const
 {
@@ -110,8 +111,8 @@ template talik::Region<2> GroundBoundary::always<2>() const;
 template talik::Region<3> GroundBoundary::always<3>() const;
 
 // clang-format off
-#define TALIK_BOUNDARIES (RollerBoundary)(FixedBoundary)(MovingBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary)(WallTemperature) \
-	(SurfaceTemperature)(BodyTemperature)(HeatFlux)(HeatSource)(WaterFlux)(SurfaceLoad)
+#define TALIK_BOUNDARIES (RollerBoundary)(FixedBoundary)(PeriodicBoundary)(MovingBoundary)(ImpermeableBoundary)(DrainedBoundary)(InsulatedBoundary) \
+	(WallTemperature)(SurfaceTemperature)(BodyTemperature)(HeatFlux)(HeatSource)(WaterFlux)(SurfaceLoad)
 #define TALIK_IN_BOTH_DIMENSIONS(r, data, Kind)                    \
 	template GroundBoundary::Pointer<2> Kind::make<2>() const; \
 	template GroundBoundary::Pointer<3> Kind::make<3>() const;

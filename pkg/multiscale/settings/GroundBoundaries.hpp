@@ -76,6 +76,22 @@ public:
 };
 REGISTER_SERIALIZABLE(FixedBoundary);
 
+class PeriodicBoundary : public BoundaryInAnyDimension<PeriodicBoundary> {
+public:
+	template <int D> Pointer<D> make() const;
+	YADE_CLASS_BASE_DOC(
+	        PeriodicBoundary, GroundBoundary,
+	        "Joins this side with the opposite one: what leaves through one of them (ground, water, heat) comes in at the other, as if the ground were "
+	        "repeated behind both for ever. A slope without end is then a column of one cell (talik.slope.infiniteColumn). region is left or right, in "
+	        "space "
+	        "also front or back; other boundaries act on neither of the two, and others still are the same at both. Positions lie in the box, "
+	        "displacements go "
+	        "on. Ice that segregates draws no water across. Not with bodies, nor with distribute='ground'. gravityEnergy in MpmEngine.balance() is that of "
+	        "the "
+	        "displacement along the axis, without what seeps through the grains. Example: PeriodicBoundary(region='left').");
+};
+REGISTER_SERIALIZABLE(PeriodicBoundary);
+
 class MovingBoundary : public BoundaryInAnyDimension<MovingBoundary> {
 public:
 	template <int D> Pointer<D> make() const;

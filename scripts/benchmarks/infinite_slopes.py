@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Infinite slopes at the defaults, as columns of one cell: which stand, which slide, and how fast, over the factor of safety by hand.
+
+yade -n -x infinite_slopes.py FOLDER [dry|explicit|implicit|thaw]...   some of the cases; default: all
+
+A row of FOLDER/infinite_slopes.csv for each column, and a picture of them.
+"""
+
+import csv
+import itertools
+import math
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot
+
+import talik
+from yade import O
+from yade.wrapper import DrainedBoundary, FreezingCurve, GroundMaterial, HeatTransfer, MohrCoulombSkeleton, MpmEngine, PoreWater, SurfaceTemperature
+
+gravity, porosity, depth = 9.81, 0.4, 2.0
+dryDensity, liquidDensity = 0.6 * 2650.0, 1000.0
+young, poisson = 2e7, 0.3
+stands, slides = 1.1, 0.9  # factors of safety from which on a column has to stand, and up to which it has to slide
+largestPath = 5e-3  # of a column that stands [m]
+largestError = 0.1  # of the acceleration of one that slides [-]
+duration = 2.0  # [s of motion]
+warm, thawed = 6.0, 1.0  # temperature of the surface of a column that thaws [degC], and how deep it thaws [m]
+motionPerDay = 86400 / 1e6  # [s]
+
+
+def stressPart(case):
+	"""Effective over total stress across the slope at the base, or at the front of a column that thaws: with its excess pressure (Morgenstern and
+	Nixon 1971) 1/(1 + 2 R^2) of the buoyant weight (McRoberts 1978)."""
+	if case["water"] == "dry":
+		return 1.0
+	return (1 - liquidDensity / densityOf(case)) / (1 + 2 * case.get("R", 0.0) ** 2)
+
+
+def densityOf(case):
+	return dryDensity + (0.0 if case["water"] == "dry" else porosity * liquidDensity)
+
+
+def strengthOf(case):
+	"""(frictionAngle [degrees], cohesion [Pa]) of the factor of safety: in simple shear without dilation the law bears c cos phi + sigma' sin phi
+	(Davis 1968). Up to 35 degrees there is no cohesion."""
+	slope, part = math.radians(case["angle"]), stressPart(case)
+	sine, most = case["factor"] * math.tan(slope) / part, math.sin(math.radians(35))
+	if sine <= most:
+		return math.degrees(math.asin(sine)), 0.0
+	height = thawed if "R" in case else depth
+	return 35.0, (sine - most) * part * densityOf(case) * gravity * height * math.cos(slope) / math.cos(math.radians(35))
+
+
+def neumann(conductivity, latent, capacity):
+	"""alpha of X = alpha sqrt(t) for ground that is frozen at its freezing point [m/sqrt(s)]."""
+	diffusivity, stefan = conductivity / capacity, capacity * warm / latent
+	low, high = 0.0, 5.0
+	for _ in range(60):
+		x = 0.5 * (low + high)
+		low, high = (x, high) if math.sqrt(math.pi) * x * math.exp(x * x) * math.erf(x) < stefan else (low, x)
+	return 2 * low * math.sqrt(diffusivity)
+
+
+def speedOfThaw():
+	soil = GroundMaterial()
+	conductivity = (1 - porosity) * soil.solidConductivity + porosity * soil.liquidConductivity
+	capacity = (1 - porosity) * soil.solidDensity * soil.solidSpecificHeat + porosity * soil.liquidDensity * soil.liquidSpecificHeat
+	return neumann(conductivity, porosity * soil.iceDensity * soil.latentHeat, capacity)
+
+
+def column(case):
+	"""A column that never froze, or (with R) one that thaws from its surface."""
+	friction, cohesion = strengthOf(case)
+	settings, boundaries, layer = {}, [], dict(thickness=depth, porosity=porosity)
+	if case["water"] == "dry":
+		layer["poreFill"] = 0.0
+	else:
+		oedometer = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
+		conductivity = 1e-4 if not case.get("R") else speedOfThaw() ** 2 / (4 * case["R"] ** 2) * liquidDensity * gravity / oedometer
+		settings["water"] = PoreWater(conductivity=conductivity, referencePorosity=porosity, pressure=case["water"])
+		boundaries.append(DrainedBoundary(region="surface"))
+	if "R" in case:
+		settings.update(heat=HeatTransfer(thermalTimeScale=86400 / motionPerDay, followsMotion=True), freezing=FreezingCurve())
+		settings["material"] = GroundMaterial(thawStrain=case["thawStrain"])
+		boundaries.append(SurfaceTemperature(region="surface", temperature=warm))
+		layer["temperature"] = -0.1
+	law = MohrCoulombSkeleton(young=young, poisson=poisson, frictionAngle=friction, cohesion=cohesion)
+	mpm = MpmEngine(gridSpacing=case["spacing"], skeleton=law, boundaries=boundaries, **settings)
+	water = {} if case["water"] == "dry" else dict(waterDepth=0)
+	talik.slope.infiniteColumn(mpm, case["angle"], {"soil": layer}, pointsPerCell=case["points"], **water)
+	return mpm
+
+
+def judged(case):
+	"""The case with what came of it: path of the upper half of what is thawed [m], its acceleration over that which is due, and whether it is right."""
+	O.reset()
+	mpm = column(case)
+	O.engines = [mpm]
+	O.step()
+	upper = mpm.field("position")[:, 1] > depth - 0.5 * (thawed if "R" in case else depth)
+
+	def path():
+		return mpm.field("displacement")[upper, 0].mean()
+
+	start, began, ratio = path(), O.time, math.nan
+	if "R" in case:
+		days = (thawed / speedOfThaw()) ** 2 / 86400
+		talik.runUntilDay(mpm, days, look=lambda: path() > 20 * largestPath, longest=began + 3 * days * motionPerDay)
+		right = (path() - start < largestPath) == (case["factor"] > 1)
+	else:
+		talik.runUntil(began + duration)
+		due = gravity * math.sin(math.radians(case["angle"])) * (1 - case["factor"])
+		ratio = (path() - start) / (0.5 * due * (O.time - began) ** 2) if due > 0 else math.nan
+		right = abs(ratio - 1) < largestError if due > 0 else path() - start < largestPath
+	return {**case, "path": path() - start, "ratio": ratio, "day": mpm.calendar["day"] if "R" in case else 0.0, "right": int(right)}
+
+
+def cases(kinds=("dry", "explicit", "implicit", "thaw"), everyDay=False):
+	"""All that are asked for; everyDay: a few of them."""
+	factors, angles, sizes = (
+		((0.9, 1.1), (5, 35), ((0.25, 4),))
+		if everyDay
+		else (
+			(0.7, 0.8, 0.9, 1.1, 1.25, 1.6, 2.5),
+			(5, 15, 25, 35),
+			((0.25, 4), (0.25, 1), (0.125, 4), (0.125, 1)),
+		)
+	)
+	for kind, (spacing, points), angle, factor in itertools.product(kinds, sizes, angles, factors):
+		one = dict(water=kind, spacing=spacing, points=points, angle=angle, factor=factor)
+		if kind != "thaw":
+			yield one
+	if "thaw" in kinds:
+		of = ((0.0, 0.5, 1.0), (0.0, 0.08), ("explicit", "implicit"), (15,), (0.7, 0.9, 1.1, 1.6, 2.5))
+		for (spacing, points), (R, strain, water, angle, factor) in itertools.product(sizes, itertools.product(*of)):
+			yield dict(water=water, spacing=spacing, points=points, angle=angle, factor=factor, R=R, thawStrain=strain)
+
+
+def told(row):
+	words = " ".join(f"{key} {value}" for key, value in row.items() if key not in ("path", "ratio", "day", "right"))
+	ratio = "" if math.isnan(row["ratio"]) else f", acceleration over that which is due {row['ratio']:.3f}"
+	return f"{words}: path {1e3 * row['path']:.2f} mm{ratio}{'' if row['right'] else '  WRONG'}"
+
+
+def draw(rows, file):
+	kinds = [kind for kind in ("dry", "explicit", "implicit", "thaw") if any(kindOf(row) == kind for row in rows)]
+	titles = {"dry": "dry", "explicit": "saturated, explicit pressure", "implicit": "saturated, implicit pressure", "thaw": "thaws from its surface, 15°"}
+	figure, all_ = pyplot.subplots(1, len(kinds), figsize=(4 * len(kinds), 3.8), layout="constrained", sharey=True, squeeze=False)
+	for axes, kind in zip(all_[0], kinds):
+		own = [row for row in rows if kindOf(row) == kind]
+		over = "R" if kind == "thaw" else "angle"
+		groups = sorted({variant(row) for row in own})
+		step = 0.14 / len(groups) if kind == "thaw" else 6 / len(groups)
+		axes.axhspan(slides, stands, color="0.9")
+		axes.axhline(1, color="0.5", linewidth=0.8)
+		for row in own:
+			x = row[over] + (groups.index(variant(row)) - 0.5 * (len(groups) - 1)) * step
+			stood = row["path"] < largestPath
+			axes.plot(x, row["factor"], "o" if stood else "v", color="tab:green" if stood else "tab:orange", markersize=4)
+			if not row["right"]:
+				axes.plot(x, row["factor"], "x", color="black", markersize=7)
+		wrong = sum(not row["right"] for row in own)
+		axes.set(title=f"{titles[kind]}\n{len(own) - wrong} of {len(own)} right", xlabel="thaw consolidation ratio R" if kind == "thaw" else "angle [°]")
+	all_[0, 0].set_ylabel("factor of safety by hand")
+	figure.savefig(file, dpi=110)
+
+
+def kindOf(row):
+	return "thaw" if "R" in row else row["water"]
+
+
+def variant(row):
+	return (row["spacing"], -row["points"], row["water"], row.get("thawStrain", 0.0))
+
+
+def main(folder, *kinds):
+	rows = []
+	for case in cases(kinds or ("dry", "explicit", "implicit", "thaw")):
+		rows.append(judged(case))
+		print(told(rows[-1]), flush=True)
+	Path(folder).mkdir(parents=True, exist_ok=True)
+	with Path(folder, "infinite_slopes.csv").open("w", newline="") as file:
+		table = csv.DictWriter(file, sorted({key for row in rows for key in row}))
+		table.writeheader()
+		table.writerows(rows)
+	draw(rows, Path(folder, "infinite_slopes.png"))
+	print(f"{sum(row['right'] for row in rows)} of {len(rows)} columns are right; {folder}/infinite_slopes.png")
+
+
+if __name__ == "__main__":
+	main(*sys.argv[1:])

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Infinite slopes by columns of one cell, at the defaults: a few of scripts/stability chart."""
+
+import sys
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts" / "benchmarks"))
+
+import infinite_slopes
+import pytest
+
+
+@pytest.mark.parametrize("kind", ["dry", "explicit", "implicit"])
+def test_slopes_that_never_froze_stand_and_slide_as_by_hand(kind):
+	rows = [infinite_slopes.judged(case) for case in infinite_slopes.cases([kind], everyDay=True)]
+	for row in rows:
+		print(infinite_slopes.told(row), "| reference: infinite slope by hand | tolerance: 5 mm, 10 % of the acceleration")
+	assert all(row["right"] for row in rows)
