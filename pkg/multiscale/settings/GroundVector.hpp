@@ -45,10 +45,14 @@ private:
 };
 
 namespace scripting {
-	template <class Class, GroundVector Class::*member> struct Getter<Class, GroundVector, member> {
-		static py::object make()
+	template <class Class> struct Getter<Class, GroundVector> {
+		struct Inside {
+			GroundVector Class::*member;
+			py::object           operator()(const py::object& self) const { return (py::extract<Class&>(self)().*member).inside(self); }
+		};
+		static py::object make(GroundVector Class::*member)
 		{
-			return py::make_function(+[](const py::object& self) { return (py::extract<Class&>(self)().*member).inside(self); });
+			return py::make_function(Inside { member }, py::default_call_policies(), boost::mpl::vector2<py::object, const py::object&>());
 		}
 	};
 } // namespace scripting

@@ -61,10 +61,12 @@ public:
 	                           #Name, Create##Name, CreateShared##Name, CreatePureCustom##Name);
 
 #define TALIK_PLUGIN_NAME(r, data, Name) BOOST_PP_STRINGIZE(Name),
+#define TALIK_PLUGIN_BODY(r, data, Name) TALIK_PLUGIN_BODIES(Name)
 #define TALIK_PLUGIN_EXPORT(r, data, Name) BOOST_CLASS_EXPORT_IMPLEMENT(yade::Name)
 
 /// YADE_PLUGIN((ClassA)(ClassB)) inside namespace yade, once per source file.
 #define YADE_PLUGIN(classes)                                                                                              \
+	BOOST_PP_SEQ_FOR_EACH(TALIK_PLUGIN_BODY, ~, classes)                                                              \
 	namespace {                                                                                                       \
 		__attribute__((constructor)) void BOOST_PP_CAT(announce_, BOOST_PP_SEQ_HEAD(classes))()                   \
 		{                                                                                                         \

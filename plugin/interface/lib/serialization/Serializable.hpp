@@ -60,31 +60,49 @@ namespace scripting {
 	template <class S, int r, int c> struct ByReference<Eigen::Matrix<S, r, c>> : std::integral_constant<bool, (r > 0 && c > 0 && r < 6)> {};
 	template <> struct ByReference<yade::Quaternionr> : std::true_type {};
 
-	template <class Class, class T, T Class::*member> void assignAndCheck(Class& self, const T& value)
+	/// Setter of an attribute whose new value the class checks.
+	template <class Class, class T> struct CheckedSetter {
+		T Class::*member;
+		void      operator()(Class& self, const T& value) const
+		{
+			const T former = self.*member;
+			self.*member   = value;
+			try {
+				self.callPostLoad();
+			} catch (...) { // a refused value must not stay
+				self.*member = former;
+				throw;
+			}
+		}
+	};
+
+	template <class Class, class T> struct Getter {
+		using Policy = std::conditional_t<ByReference<T>::value, py::return_internal_reference<>, py::return_value_policy<py::return_by_value>>;
+		static py::object make(T Class::*member) { return py::make_getter(member, Policy()); }
+	};
+
+	inline std::string attributeText(const char* text, int flags) { return std::string(text) + " :yattrflags:`" + std::to_string(flags) + "` "; }
+
+	/// One function for all attributes of one class that have the same type.
+	template <int flags, class PyClass, class Class, class T> void attribute(PyClass& cls, const char* name, T Class::*member, const char* doc)
 	{
-		const T former = self.*member;
-		self.*member   = value;
-		try {
-			self.callPostLoad();
-		} catch (...) { // a refused value must not stay
-			self.*member = former;
-			throw;
+		if constexpr (!(flags & yade::Attr::hidden)) {
+			const std::string text = attributeText(doc, flags);
+			const py::object  get  = Getter<Class, T>::make(member);
+			if constexpr (flags & yade::Attr::readonly) cls.add_property(name, get, text.c_str());
+			else if constexpr (flags & yade::Attr::triggerPostLoad) {
+				using Signature = boost::mpl::vector3<void, Class&, const T&>;
+				cls.add_property(
+				        name, get, py::make_function(CheckedSetter<Class, T> { member }, py::default_call_policies(), Signature()), text.c_str());
+			} else cls.add_property(name, get, py::make_setter(member, py::return_value_policy<py::return_by_value>()), text.c_str());
 		}
 	}
 
-	template <class Class, class T, T Class::*member> struct Getter {
-		using Policy = std::conditional_t<ByReference<T>::value, py::return_internal_reference<>, py::return_value_policy<py::return_by_value>>;
-		static py::object make() { return py::make_getter(member, Policy()); }
-	};
+	template <class T> void assign(T& member, const py::object& value) { member = py::extract<T>(value)(); }
 
-	template <class Class, class T, T Class::*member, class PyClass> void attribute(PyClass& cls, const char* name, int flags, const std::string& doc)
+	template <int flags, class T> void put(py::dict& attributes, const char* name, const T& value)
 	{
-		if (flags & yade::Attr::hidden) return;
-		const std::string text = doc + " :yattrflags:`" + std::to_string(flags) + "` ";
-		const py::object  get  = Getter<Class, T, member>::make();
-		if (flags & yade::Attr::readonly) cls.add_property(name, get, text.c_str());
-		else if (flags & yade::Attr::triggerPostLoad) cls.add_property(name, get, py::make_function(&assignAndCheck<Class, T, member>), text.c_str());
-		else cls.add_property(name, get, py::make_setter(member, py::return_value_policy<py::return_by_value>()), text.c_str());
+		if constexpr (!(flags & yade::Attr::hidden)) attributes[name] = py::object(value);
 	}
 
 	template <class Class> boost::shared_ptr<Class> makeFromKeywords(py::tuple positional, py::dict keywords)
@@ -153,69 +171,93 @@ namespace serialization {
 
 #define TALIK_ATTR_DECLARE(r, Class, a) TALIK_ATTR_TYPE(a) TALIK_ATTR_NAME(a) = TALIK_ATTR_TYPE(a)(TALIK_ATTR_INIT(a));
 #define TALIK_ATTR_ARCHIVE(r, Class, a) \
-	if (!(TALIK_ATTR_FLAGS(a) & ::yade::Attr::noSave)) ::talik::scripting::archiveAttribute(ar, TALIK_ATTR_KEY(a), TALIK_ATTR_NAME(a));
-#define TALIK_ATTR_SET(r, Class, a)                                                         \
-	if (key == TALIK_ATTR_KEY(a)) {                                                     \
-		TALIK_ATTR_NAME(a) = ::boost::python::extract<TALIK_ATTR_TYPE(a)>(value)(); \
-		return;                                                                     \
-	}
-#define TALIK_ATTR_GET(r, Class, a) \
-	if (!(TALIK_ATTR_FLAGS(a) & ::yade::Attr::hidden)) result[TALIK_ATTR_KEY(a)] = ::boost::python::object(TALIK_ATTR_NAME(a));
-#define TALIK_ATTR_EXPOSE(r, Class, a)                                                        \
-	::talik::scripting::attribute<Class, TALIK_ATTR_TYPE(a), &Class::TALIK_ATTR_NAME(a)>( \
-	        classObject, TALIK_ATTR_KEY(a), TALIK_ATTR_FLAGS(a), TALIK_ATTR_TEXT(a));
+	if constexpr (!(TALIK_ATTR_FLAGS(a) & ::yade::Attr::noSave)) ::talik::scripting::archiveAttribute(ar, TALIK_ATTR_KEY(a), self.TALIK_ATTR_NAME(a));
+#define TALIK_ATTR_SET(r, Class, a) \
+	if (key == TALIK_ATTR_KEY(a)) return ::talik::scripting::assign(self.TALIK_ATTR_NAME(a), value);
+#define TALIK_ATTR_GET(r, Class, a) ::talik::scripting::put<TALIK_ATTR_FLAGS(a)>(attributes, TALIK_ATTR_KEY(a), self.TALIK_ATTR_NAME(a));
+#define TALIK_ATTR_EXPOSE(r, Class, a) \
+	::talik::scripting::attribute<TALIK_ATTR_FLAGS(a)>(classObject, TALIK_ATTR_KEY(a), &Self::TALIK_ATTR_NAME(a), TALIK_ATTR_TEXT(a));
 
-#define TALIK_CLASS_COMMON(Class, Base, docString, attrs, py)                                                                                        \
+/// What scripts and archives need of a class is declared in the class. The bodies are templates of the class, whose name there is Self, so
+/// that they are compiled in one unit, by TALIK_PLUGIN_BODIES, and not in every unit that includes the class.
+#define TALIK_CLASS_COMMON(Class, Base, archived, members, ctor, exposed)                                                                            \
 	REGISTER_CLASS_AND_BASE(Class, Base)                                                                                                         \
 	friend class boost::serialization::access;                                                                                                   \
                                                                                                                                                      \
 public:                                                                                                                                              \
-	template <class Archive> void serialize(Archive& ar, unsigned)                                                                               \
+	Class();                                                                                                                                     \
+	void                          archiveBy(::boost::archive::binary_iarchive&);                                                                 \
+	void                          archiveBy(::boost::archive::binary_oarchive&);                                                                 \
+	void                          archiveBy(::boost::archive::xml_iarchive&);                                                                    \
+	void                          archiveBy(::boost::archive::xml_oarchive&);                                                                    \
+	template <class Archive> void serialize(Archive& ar, unsigned) { archiveBy(ar); }                                                            \
+	void                          pySetAttr(const std::string& key, const ::boost::python::object& value) override;                              \
+	::boost::python::dict         pyDict() const override;                                                                                       \
+	void                          callPostLoad() override;                                                                                       \
+	void                          pyRegisterClass(::boost::python::object moduleScope) override;                                                 \
+                                                                                                                                                     \
+	template <class Self> void constructBody(Self&) { ctor; }                                                                                    \
+	template <class Self, class Archive> void archiveBody(Self& self, Archive& ar)                                                               \
 	{                                                                                                                                            \
-		::boost::serialization::void_cast_register<Class, Base>();                                                                           \
-		if (Archive::is_loading::value) preLoad(*this);                                                                                      \
-		else preSave(*this);                                                                                                                 \
-		ar& ::boost::serialization::make_nvp(#Base, static_cast<Base&>(*this));                                                              \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_ARCHIVE, Class, attrs)                                                                              \
-		if (Archive::is_loading::value) postLoad(*this);                                                                                     \
-		else postSave(*this);                                                                                                                \
+		::boost::serialization::void_cast_register<Self, Base>();                                                                            \
+		if constexpr (Archive::is_loading::value) preLoad(self);                                                                             \
+		else preSave(self);                                                                                                                  \
+		ar& ::boost::serialization::make_nvp(#Base, static_cast<Base&>(self));                                                               \
+		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_ARCHIVE, Class, archived)                                                                           \
+		if constexpr (Archive::is_loading::value) postLoad(self);                                                                            \
+		else postSave(self);                                                                                                                 \
 	}                                                                                                                                            \
-	void pySetAttr(const std::string& key, const ::boost::python::object& value) override                                                        \
+	template <class Self> void setAttrBody(Self& self, const std::string& key, const ::boost::python::object& value)                             \
 	{                                                                                                                                            \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_SET, Class, attrs)                                                                                  \
-		Base::pySetAttr(key, value);                                                                                                         \
+		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_SET, Class, members)                                                                                \
+		self.Base::pySetAttr(key, value);                                                                                                    \
 	}                                                                                                                                            \
-	::boost::python::dict pyDict() const override                                                                                                \
+	template <class Self>::boost::python::dict dictBody(const Self& self) const                                                                  \
 	{                                                                                                                                            \
-		::boost::python::dict result;                                                                                                        \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_GET, Class, attrs)                                                                                  \
-		result.update(this->pyDictCustom());                                                                                                 \
-		result.update(Base::pyDict());                                                                                                       \
-		return result;                                                                                                                       \
+		::boost::python::dict attributes;                                                                                                    \
+		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_GET, Class, members)                                                                                \
+		attributes.update(self.pyDictCustom());                                                                                              \
+		attributes.update(self.Base::pyDict());                                                                                              \
+		return attributes;                                                                                                                   \
 	}                                                                                                                                            \
-	void callPostLoad() override                                                                                                                 \
+	template <class Self> void postLoadBody(Self& self)                                                                                          \
 	{                                                                                                                                            \
-		Base::callPostLoad();                                                                                                                \
-		postLoad(*this);                                                                                                                     \
+		self.Base::callPostLoad();                                                                                                           \
+		postLoad(self);                                                                                                                      \
 	}                                                                                                                                            \
-	void pyRegisterClass(::boost::python::object moduleScope) override                                                                           \
+	template <class Self> void registerBody(Self& self, const ::boost::python::object& moduleScope)                                              \
 	{                                                                                                                                            \
-		this->checkPyClassRegistersItself(#Class);                                                                                           \
-		::boost::python::scope                                                                                       within(moduleScope);    \
-		::boost::python::docstring_options                                                                           plainText(true, false); \
-		::boost::python::class_<Class, ::boost::shared_ptr<Class>, ::boost::python::bases<Base>, boost::noncopyable> classObject(            \
-		        #Class, docString, ::boost::python::no_init);                                                                                \
-		::talik::HeldPointer<Class>::registerOnce();                                                                                         \
-		classObject.def("__init__", ::boost::python::raw_function(&::talik::scripting::constructFromKeywords<Class>, 1));                    \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_EXPOSE, Class, attrs)                                                                               \
-		(void)classObject py;                                                                                                                \
+		self.checkPyClassRegistersItself(#Class);                                                                                            \
+		::boost::python::scope                                                                                     within(moduleScope);      \
+		::boost::python::docstring_options                                                                         plainText(true, false);   \
+		exposed                                                                                                                              \
 	}
 
-#define YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, docString, attrs, inits, ctor, py) \
-public:                                                                                        \
-	BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_DECLARE, Class, attrs)                                \
-	Class() { ctor; }                                                                      \
-	TALIK_CLASS_COMMON(Class, Base, docString, attrs, py)
+/// Begins what registerBody() does.
+#define TALIK_CLASS_OBJECT(Class, Base, docString)                                                                                               \
+	::boost::python::class_<Self, ::boost::shared_ptr<Self>, ::boost::python::bases<Base>, boost::noncopyable> classObject(                  \
+	        #Class, docString, ::boost::python::no_init);                                                                                    \
+	::talik::HeldPointer<Self>::registerOnce();                                                                                              \
+	classObject.def("__init__", ::boost::python::raw_function(&::talik::scripting::constructFromKeywords<Self>, 1));
+
+/// Definitions of what TALIK_CLASS_COMMON declares.
+#define TALIK_PLUGIN_BODIES(Class)                                                                                                \
+	Class::Class() { constructBody(*this); }                                                                                  \
+	void Class::archiveBy(::boost::archive::binary_iarchive& ar) { archiveBody(*this, ar); }                                  \
+	void Class::archiveBy(::boost::archive::binary_oarchive& ar) { archiveBody(*this, ar); }                                  \
+	void Class::archiveBy(::boost::archive::xml_iarchive& ar) { archiveBody(*this, ar); }                                     \
+	void Class::archiveBy(::boost::archive::xml_oarchive& ar) { archiveBody(*this, ar); }                                     \
+	void Class::pySetAttr(const std::string& key, const ::boost::python::object& value) { setAttrBody(*this, key, value); }   \
+	::boost::python::dict Class::pyDict() const { return dictBody(*this); }                                                   \
+	void                  Class::callPostLoad() { postLoadBody(*this); }                                                      \
+	void                  Class::pyRegisterClass(::boost::python::object moduleScope) { registerBody(*this, moduleScope); }   \
+	REGISTER_FACTORABLE(Class)
+
+#define YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, docString, attrs, inits, ctor, py)                                       \
+public:                                                                                                                              \
+	BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_DECLARE, Class, attrs)                                                                      \
+	TALIK_CLASS_COMMON(Class, Base, attrs, attrs, ctor,                                                                          \
+		TALIK_CLASS_OBJECT(Class, Base, docString) BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_EXPOSE, Class, attrs) (void)classObject py;)
 #define YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(Class, Base, doc, attrs, ctor, py) YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, doc, attrs, , ctor, py)
 #define YADE_CLASS_BASE_DOC_ATTRS_CTOR(Class, Base, doc, attrs, ctor) YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, doc, attrs, , ctor, )
 #define YADE_CLASS_BASE_DOC_ATTRS(Class, Base, doc, attrs) YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, doc, attrs, , , )
@@ -231,31 +273,15 @@ public:                                                                         
 #define TALIK_STATIC_TEXT(r, Class, a) "\n\n" TALIK_ATTR_KEY(a) ": " TALIK_ATTR_TEXT(a)
 
 /// Drawing functors: YADE makes their instances, so what a user sets is static.
-#define YADE_CLASS_BASE_DOC_STATICATTRS(Class, Base, docString, attrs)                                                                               \
-public:                                                                                                                                              \
-	BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_DECLARE, Class, attrs)                                                                                    \
-	REGISTER_CLASS_AND_BASE(Class, Base)                                                                                                         \
-	template <class Archive> void serialize(Archive& ar, unsigned)                                                                               \
-	{                                                                                                                                            \
-		::boost::serialization::void_cast_register<Class, Base>();                                                                           \
-		ar& ::boost::serialization::make_nvp(#Base, static_cast<Base&>(*this));                                                              \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_ARCHIVE, Class, attrs)                                                                              \
-	}                                                                                                                                            \
-	void pyRegisterClass(::boost::python::object moduleScope) override                                                                           \
-	{                                                                                                                                            \
-		this->checkPyClassRegistersItself(#Class);                                                                                           \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_INIT, Class, attrs)                                                                               \
-		::boost::python::scope                                                                                       within(moduleScope);    \
-		::boost::python::docstring_options                                                                           plainText(true, false); \
-		::boost::python::class_<Class, ::boost::shared_ptr<Class>, ::boost::python::bases<Base>, boost::noncopyable> classObject(            \
-		        #Class, docString BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_TEXT, Class, attrs), ::boost::python::no_init);                         \
-		::talik::HeldPointer<Class>::registerOnce();                                                                                         \
-		classObject.def("__init__", ::boost::python::raw_function(&::talik::scripting::constructFromKeywords<Class>, 1));                    \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_EXPOSE, Class, attrs)                                                                             \
-	}
+#define YADE_CLASS_BASE_DOC_STATICATTRS(Class, Base, docString, attrs)                                                                  \
+public:                                                                                                                                 \
+	BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_DECLARE, Class, attrs)                                                                       \
+	TALIK_CLASS_COMMON(Class, Base, attrs, , ,                                                                                      \
+		BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_INIT, Class, attrs)                                                                  \
+		TALIK_CLASS_OBJECT(Class, Base, docString BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_TEXT, Class, attrs))                       \
+		BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_EXPOSE, Class, attrs))
 
 #define REGISTER_SERIALIZABLE(Class)        \
-	REGISTER_FACTORABLE(Class)          \
 	}                                   \
 	BOOST_CLASS_EXPORT_KEY(yade::Class) \
 	namespace yade {
