@@ -211,3 +211,60 @@ TEST(PeriodicSides, WaterFlowsParallelToASlopeThatRests)
 				        name + std::string("water that has left over all") + of, ground.balance().waterOut / ground.balance().waterMass, 1e-4);
 			}
 }
+
+namespace {
+
+/// Saturated layer in space, one cell by two, on a smooth base that is inclined along x and y.
+Ground<3> slidingInSpace(bool implicit)
+{
+	constexpr double  spacing = 0.25;
+	GroundSettings<3> s;
+	s.gridSpacing = spacing;
+	s.upper       = { spacing, 2.0 * spacing, 1.0 + 2.0 * spacing };
+	s.mixture     = withoutExpansion();
+	s.motion.emplace();
+	s.motion->gravity = { 2.0, -1.0, -9.0 };
+	s.water.emplace();
+	s.water->implicit = implicit;
+	if (!implicit) s.water->state.liquidBulkModulus = 2.2e7;
+	auto law     = std::make_shared<ElasticSkeleton<3>>();
+	law->young   = 2e7;
+	law->poisson = 0.0;
+	s.skeletons.push_back(law);
+	for (const char* side : { "left", "back" })
+		s.boundaries.push_back(std::make_shared<PeriodicBoundary<3>>(Region<3>::side(side)));
+	s.boundaries.push_back(std::make_shared<RollerBoundary<3>>(Region<3>::side("bottom")));
+	s.boundaries.push_back(std::make_shared<DrainedBoundary<3>>(Region<3>::freeSurface()));
+	Ground<3> ground(s);
+	for (int k = 0; k < 64; ++k) {
+		PointInput<3> p;
+		p.volume    = std::pow(0.5 * spacing, 3);
+		p.position  = { (k % 2 + 0.5) * 0.5 * spacing, (k / 2 % 4 + 0.5) * 0.5 * spacing, (k / 8 + 0.5) * 0.5 * spacing };
+		p.pressure  = 9000.0 * (1.0 - p.position[2]);
+		p.stress[2] = -(density - 1000.0) * 9.0 * (1.0 - p.position[2]);
+		ground.addPoint(p);
+	}
+	ground.initialise();
+	return ground;
+}
+
+} // namespace
+
+TEST(PeriodicSides, ASaturatedLayerInSpaceSlidesAlongBothAxes)
+{
+	for (const bool implicit : { false, true }) {
+		Ground<3> ground = slidingInSpace(implicit);
+		marchTo(ground, 1.0);
+		const std::string name = std::string("saturated layer in space that slides, ") + (implicit ? "implicit" : "explicit") + " pressure: ";
+		const double      t    = ground.time();
+		citing("free sliding, b t^2/2");
+		expectRelative(name + "path along x [m]", meanOf(valuesOf(ground, "displacement", 0)), 0.5 * 2.0 * t * t, 5e-3);
+		expectRelative(name + "path along y [m]", meanOf(valuesOf(ground, "displacement", 1)), -0.5 * 1.0 * t * t, 5e-3);
+		const auto balance = ground.balance();
+		citing("exact");
+		for (int a = 0; a < 2; ++a)
+			expectSmall(
+			        name + "momentum less impulse over weight and time, " + "xy"[a],
+			        (balance.momentum[a] - balance.impulse[a]) / (9.0 * t * (balance.solidMass + balance.waterMass)), 1e-11);
+	}
+}
