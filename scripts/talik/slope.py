@@ -145,7 +145,8 @@ def infiniteColumn(mpm, angle, layers, waterDepth=math.inf, lateralRatio=1.0, po
 	placed = {}
 	for (name, layer), b in zip(layers.items(), base):
 		outline = rectangle(0, b, cells * h, b + layer["thickness"])
-		placed[name] = dict(polygon=outline, stress=stress, **({} if mpm.water is None or "pressure" in layer else dict(pressure=pressure)))
+		bySample = _hasSamples(layer.get("skeleton", mpm.skeleton))  # whose stress is theirs, see settle
+		placed[name] = dict(polygon=outline, **({} if bySample else dict(stress=stress)), **({} if mpm.water is None else dict(pressure=pressure)))
 		placed[name].update({key: value for key, value in layer.items() if key != "thickness"})
 	densities = [groundLayers.densityOf(mpm, layer) for layer in placed.values()]
 	return groundLayers.fill(mpm, placed, pointsPerCell)
