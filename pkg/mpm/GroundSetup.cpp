@@ -59,7 +59,8 @@ template <int D> bool Ground<D>::Parts::hasFront() const
 
 template <int D> bool Ground<D>::Parts::hasThawStrain() const
 {
-	return settings.segregation // whose ice leaves room where it melts
+	return settings.segregation // whose ice leaves room where it melts, as pore ice that cannot expel its water does
+	        || (settings.motion && settings.freezing && settings.water && settings.water->state.densityChange)
 	        || std::any_of(settings.materials.begin(), settings.materials.end(), [](const SoilMaterial& m) { return m.thawStrain > 0.0; });
 }
 
@@ -230,7 +231,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 		heat->chooseSmoothing(grid, n);
 	}
 	if (front) front->start(first, end, content->iceSaturation);
-	if (thawStrain) thawStrain->start(first, end, content->iceSaturation);
+	if (thawStrain) thawStrain->start(first, end, content->iceSaturation, content->iceMass);
 	if (compression) compression->start(first, end, inMotion);
 }
 

@@ -563,7 +563,7 @@ template <int D> void Ground<D>::Parts::findStrainOfSoil(const StepContext<D>& s
 
 template <int D> void Ground<D>::Parts::closeThawStrain(const StepContext<D>& step)
 {
-	thawStrain->release(step, inMotion, content->iceSaturation, averagingCells());
+	thawStrain->release(step, inMotion, content->iceSaturation, content->iceMass, averagingCells());
 	for (int k = 0; k < skeletons.count(); ++k) {
 		const std::vector<int>& places = thawStrain->openAmong(skeletons.places(k));
 		if (!places.empty()) skeletons.law(k).tangentModulus(skeletons.batch(places, step.time()), scratch.data());

@@ -7,6 +7,15 @@
 
 namespace talik {
 
+namespace {
+	template <int D> double expansionOfIce(const GroundSettings<D>& settings)
+	{
+		if (!settings.water || !settings.freezing || !settings.water->state.densityChange) return 0.0;
+		const MixtureProperties& m = settings.mixtureOf(0);
+		return std::max(0.0, 1.0 / m.ice.density - 1.0 / m.liquid.density);
+	}
+} // namespace
+
 template <int D>
 ThawStrain<D>::ThawStrain(PointFields& fields, const GroundSettings<D>& settings)
         : settings_(&settings)
@@ -16,6 +25,11 @@ ThawStrain<D>::ThawStrain(PointFields& fields, const GroundSettings<D>& settings
 	openField_             = fields.declare("thawStrainOpen", "thawStrain", "-", 1);
 	swollenField_          = fields.declare("thawStrainSwollen", "thawStrain", "-", 1);
 	lastVolumeField_       = fields.declare("volumeBefore", "thawStrain", "m^D", 1);
+	expansion_             = expansionOfIce(settings);
+	if (expansion_ == 0.0) return;
+	widenedField_  = fields.declare("widenedByIce", "thawStrain", "m^D", 1);
+	dilationField_ = fields.declare("dilationLately", "thawStrain", "m^D", 1);
+	iceField_      = fields.declare("iceBefore", "thawStrain", "kg", 1);
 }
 
 template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, int cells)
@@ -27,15 +41,22 @@ template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, int cells)
 	swollen_          = points.fields().component(swollenField_);
 	lastVolume_       = points.fields().component(lastVolumeField_);
 	ownUnloading_     = bool(settings_->water);
+	if (expansion_ > 0.0) {
+		widened_  = points.fields().component(widenedField_);
+		dilation_ = points.fields().component(dilationField_);
+		lastIce_  = points.fields().component(iceField_);
+		widening_.reset(points.count());
+	}
 	sharing_.reset(averages() ? cells : points.count());
 	asked_.reset(points.count());
 	ofSkeleton_.reserve(points.count());
 	all_.reserve(points.count());
-	closed_.reserve(points.count());
+	closed_.reserve(2 * points.count());
 }
 
-template <int D> void ThawStrain<D>::start(int first, int end, const double* iceSaturation)
+template <int D> void ThawStrain<D>::start(int first, int end, const double* iceSaturation, const double* iceMass)
 {
+	if (expansion_ > 0.0) std::copy(iceMass + first, iceMass + end, lastIce_ + first);
 	std::copy(iceSaturation + first, iceSaturation + end, frozenSaturation_ + first);
 	std::copy(points_->volume() + first, points_->volume() + end, lastVolume_ + first);
 }
@@ -52,6 +73,25 @@ template <int D> void ThawStrain<D>::releaseAt(int p, const double* iceSaturatio
 	open_[p] += more * initialVolume[p] / lastVolume_[p];
 }
 
+/// Water that freezes and cannot leave parts the grains, eq. (24.7). dilation: of the ground in the step [m^D].
+template <int D> void ThawStrain<D>::widenAt(int p, double dilation, double iceMass, double kept)
+{
+	const double more = expansion_ * (iceMass - lastIce_[p]);
+	lastIce_[p]  = iceMass;
+	dilation_[p] = kept * dilation_[p] + dilation;
+	widening_[p] = 0.0;
+	if (more > 0.0) {
+		const double widens = std::clamp(dilation_[p], 0.0, more);
+		dilation_[p] -= widens;
+		widened_[p] += widens;
+		widening_[p] = widens / lastVolume_[p];
+	} else {
+		const double leaves = std::min(widened_[p], -more);
+		widened_[p] -= leaves;
+		open_[p] += leaves / lastVolume_[p];
+	}
+}
+
 template <int D> void ThawStrain<D>::keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
 {
 	if (averages()) sharing_.keepOnly(range.firstCell, range.lastCell);
@@ -66,7 +106,8 @@ template <int D> void ThawStrain<D>::shareCells(HaloExchange& rows)
 }
 
 template <int D>
-void ThawStrain<D>::release(const StepContext<D>& step, const PointsInMotion<D>& points, const double* iceSaturation, const CellMeans<D>* cells)
+void ThawStrain<D>::release(
+        const StepContext<D>& step, const PointsInMotion<D>& points, const double* iceSaturation, const double* iceMass, const CellMeans<D>* cells)
 {
 	cells_ = cells;
 	for (const int p : all_)
@@ -75,10 +116,12 @@ void ThawStrain<D>::release(const StepContext<D>& step, const PointsInMotion<D>&
 	if (cells) std::fill(sharing_.begin() + step.halo.firstCell, sharing_.begin() + step.halo.lastCell, Sharing {});
 	else std::fill(sharing_.begin() + step.strips.firstPoint(), sharing_.begin() + step.strips.endPoint(), Sharing {});
 	const double* const volume = points.volume;
+	const double        kept   = std::exp(-step.dt / gravityTime(settings_->gridSpacing, lengthOf<D>(settings_->motion->gravity)));
 	step.strips.scatter(
 	        [&](int, int first, int last) {
 		        for (int p = first; p < last; ++p) {
 			        releaseAt(p, iceSaturation, points.initialVolume);
+			        if (expansion_ > 0.0) widenAt(p, lastVolume_[p] * points.trace(p), iceMass[p], kept);
 			        Sharing& s = sharing(p);
 			        s.volume += volume[p];
 			        s.room += lastVolume_[p] * open_[p];
@@ -105,9 +148,11 @@ template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const Poi
 	const Vec<D>& gravity = settings_->motion->gravity;
 	const double  size    = lengthOf<D>(gravity);
 	if (size == 0.0) return;
-	Vec<D> down;
-	for (int a = 0; a < D; ++a)
-		down[a] = gravity[a] / size;
+	Vec<D> down {};
+	int    steepest = 0;
+	for (int a = 1; a < D; ++a)
+		if (std::abs(gravity[a]) >= std::abs(gravity[steepest])) steepest = a;
+	down[steepest] = 1.0;
 	// strain along gravity by which a point expands when it loses its load
 	const auto unloadingAt = [&](int p) { return std::max(0.0, points.pressureAlong(p, down)) / modulus[p]; };
 	step.strips.scatter(
@@ -116,6 +161,8 @@ template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const Poi
 			        if (asked_[p]) sharing(p).elastic += points.volume[p] * unloadingAt(p);
 	        },
 	        [&](HaloExchange& rows) { shareCells(rows); });
+	for (int p = step.strips.firstPoint(); expansion_ > 0.0 && p < step.strips.endPoint(); ++p)
+		if (widening_[p] > 0.0) closed_.add(gradient, p, -widening_[p], down);
 	for (const int p : all_) {
 		const Sharing& s       = sharing(p);
 		const double   settled = std::min(s.room, std::max(0.0, s.contraction)), left = s.room - settled;

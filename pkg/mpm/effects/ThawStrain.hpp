@@ -25,13 +25,14 @@ public:
 	ThawStrain(PointFields& fields, const GroundSettings<D>& settings);
 	void bind(MaterialPoints<D>& points, int cells);
 	/// Takes the ice that the points have now as that of the frozen ground. iceSaturation: by place [-].
-	void start(int first, int end, const double* iceSaturation);
+	void start(int first, int end, const double* iceSaturation, const double* iceMass);
 
 	/// Room that excess ice leaves where it melts, which is not part of the ground's thawStrain [m^D]; before release().
 	void addRoom(int place, double room) { open_[place] += room / lastVolume_[place]; }
-	/// Adds the room that ice has left, eq. (24.1), and the change of volume since the last step. iceSaturation: by place [-]; cells null: every
-	/// point by itself.
-	void release(const StepContext<D>& step, const PointsInMotion<D>& points, const double* iceSaturation, const CellMeans<D>* cells);
+	/// Adds the room that ice has left, eqs (24.1) and (24.7), and the change of volume since the last step. iceSaturation [-] and iceMass, that of
+	/// the pores [kg]: by place; cells null: every point by itself.
+	void release(
+	        const StepContext<D>& step, const PointsInMotion<D>& points, const double* iceSaturation, const double* iceMass, const CellMeans<D>* cells);
 	/// Points of a skeleton with room to close, in the order of places; valid until the next call.
 	const std::vector<int>& openAmong(const std::vector<int>& places);
 	/// Adds to the displacement gradient of all points that were asked for what closes in this step, eq. (24.3); modulus [Pa]: of the
@@ -55,6 +56,7 @@ private:
 	};
 	Sharing& sharing(int place);
 	void     releaseAt(int place, const double* iceSaturation, const double* initialVolume);
+	void     widenAt(int place, double dilation, double iceMass, double kept);
 	void     shareCells(HaloExchange& rows);
 	bool     averages() const { return settings_->motion->bBar; }
 
@@ -62,7 +64,12 @@ private:
 	MaterialPoints<D>*       points_ = nullptr;
 	const CellMeans<D>*      cells_  = nullptr; ///< as release() had them
 	PointFields::Handle      frozenSaturationField_, releasedField_, openField_, swollenField_, lastVolumeField_;
+	PointFields::Handle      widenedField_ = -1, dilationField_ = -1, iceField_ = -1;
 	double *                 frozenSaturation_ = nullptr, *released_ = nullptr, *open_ = nullptr, *swollen_ = nullptr, *lastVolume_ = nullptr;
+	/// Of pore ice that widens its pores: the volume by which it has done so [m^D], what the ground has dilated by lately [m^D], ice before [kg].
+	double *           widened_ = nullptr, *dilation_ = nullptr, *lastIce_ = nullptr;
+	double             expansion_ = 0.0; ///< volume by which ice exceeds its water over its mass [m^D/kg]; 0: ice widens nothing
+	PagedArray<double> widening_;        ///< strain of the step by place [-]
 	/// Each point of a cell unloads by its own load, not by the mean of the cell. With pore water frozen points stand in tension beside thawed
 	/// ones, and the mean would open soil that has no load: a column then settles by 16 % too little. Without water the mean is nearer.
 	bool                ownUnloading_ = false;

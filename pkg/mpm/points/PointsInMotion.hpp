@@ -63,9 +63,9 @@ public:
 	/// The gradients are what they were before.
 	void takeOut(const Gradients<D>& gradient)
 	{
-		for (const Before& before : before_)
+		for (auto before = before_.rbegin(); before != before_.rend(); ++before) // the first of a point is that without any
 			for (int c = 0; c < D * D; ++c)
-				gradient[c][before.place] = before.gradient[c];
+				gradient[c][before->place] = before->gradient[c];
 		before_.clear();
 	}
 
