@@ -229,6 +229,7 @@ template <int D> struct Ground<D>::Parts {
 	void locateInCells();
 	void mapToGrid(const StepContext<D>& step);
 	void addStress(const StepContext<D>& step, const WeightBlock<D>& w, CostMeter::Sample& sample);
+	void mapWeight(const WeightBlock<D>& w);
 	void collectSurfaces(const StepContext<D>& step);
 
 	// ---- solveNodes -----------------------------------------------------------------------------------------------------
@@ -279,6 +280,7 @@ template <int D> struct Ground<D>::Parts {
 	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }
 	bool   allRests() const { return heatRests && !motion; }
 	bool   conducts() const { return heat && !heatRests; }
+	bool   weighs() const { return lengthOf<D>(motion->settings->gravity) > 0.0; }
 	bool   booksEnergy() const { return motion && settings.energyLedger; }
 	/// Cells with the water that they exchange; null: water does not move by cells.
 	const CellMeans<D>* exchangingCells() const { return water ? averagingCells() : nullptr; }

@@ -220,11 +220,21 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 	                   } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },
 	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->map(step, w, pointsOfFront(), affine.get()); } },
+	        PassPart { motion && weighs(), CostMeter::motion, [&](const WeightBlock<D>& w, double*) { mapWeight(w); } },
 	        PassPart { bool(water), CostMeter::water,
 	                   [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells(), weight, weight ? heat->reference : 0.0); } },
 	        PassPart { conducts(), CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
 	        PassPart { implicit && implicit->isFed(), CostMeter::water, [&](const WeightBlock<D>& w, double*) { implicit->map(w, *cells, *content); } },
 	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { surface->map(w); } });
+}
+
+template <int D> void Ground<D>::Parts::mapWeight(const WeightBlock<D>& w)
+{
+	motion->mapWeight(
+	        w, grid.spacing(), [&](int p) { return water ? content->liquidMass(p) : 0.0; },
+	        [&](int k, int node, const Vec<D>& force) {
+		        if (front) front->pushNode(w.first + k, node, force);
+	        });
 }
 
 /// Effects in files of their own add to the stress of a block.

@@ -49,6 +49,13 @@ template <int D> void SolidMotion<D>::map(const WeightBlock<D>& w, const double*
 	nodeLoops<D>().mapMotion(w, of);
 }
 
+template <int D> double SolidMotion<D>::carriedPart(int p, int a, int normal, double density, double thickness) const
+{
+	const double weight  = 0.5 * density * settings->gravity[a] * thickness * (settings->gravity[normal] < 0.0 ? 1.0 : -1.0);
+	const double carried = stress[stressIndex<D>(a, normal)][p] + (a == normal && addedStress ? addedStress[p] : 0.0);
+	return weight == 0.0 ? 0.0 : std::clamp(carried / weight, 0.0, 1.0);
+}
+
 template <int D> void SolidMotion<D>::gather(const WeightBlock<D>& w, double dt, double* increment)
 {
 	nodeLoops<D>().gatherMotion(w, { solved[0], velocity, position, displacement, gradient, kept, dt, increment });

@@ -7,6 +7,9 @@
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 namespace talik {
 
 /// The moving solid: velocity, displacement, effective stress and strain of the points; mass, momentum and force on the nodes.
@@ -25,6 +28,9 @@ public:
 	/// Adds mass, momentum and internal force of a block, with addedStress. Maps capacity and capacity times (carried - carriedFrom) along, if
 	/// not null, where records Moving have columns for them.
 	void map(const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
+	/// Moves the weight of a block from the middle of each point to its upper and lower face, half to each, as far as stress carries it, eq. (8.2a).
+	/// liquidMass(place) [kg]; push(k, node, force): the same force on a side of the thaw front.
+	template <class LiquidMass, class Push> void mapWeight(const WeightBlock<D>& w, double spacing, LiquidMass&& liquidMass, Push&& push);
 	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes. increment, unless null: what the points gather
 	/// of column increment, where records Solved have one.
 	void gather(const WeightBlock<D>& w, double dt, double* increment = nullptr);
@@ -54,8 +60,40 @@ public:
 	NodeField<Solved::size> solved; ///< chi dt a + (1 - chi) v, and v
 
 private:
+	/// The part of its own weight that stress carries through a point as thick as given, along axis a [-], 0 to 1.
+	double carriedPart(int p, int a, int normal, double density, double thickness) const;
+
 	PointFields::Handle velocity_, displacement_, stress_, gradient_, mass_, initialVolume_, addedStress_ = -1;
 };
+
+template <int D>
+template <class LiquidMass, class Push>
+void SolidMotion<D>::mapWeight(const WeightBlock<D>& w, double spacing, LiquidMass&& liquidMass, Push&& push)
+{
+	const Vec<D>& b = settings->gravity;
+	const int     n = layerNormal<D>(b);
+	for (int k = 0; k < w.count; ++k) {
+		const double curvature = -0.5 * spacing * spacing * w.slope[n][0][k] * w.slope[n][2][k];
+		if (!(curvature > 0.0)) continue; // in the middle of its cell
+		const int    p = w.first + k;
+		const double m = mass[p] + liquidMass(p), thickness = std::min(spacing, std::pow(volume[p], 1.0 / D)), part = thickness / spacing;
+		Vec<D>       moved;
+		for (int a = 0; a < D; ++a)
+			moved[a] = part * part * curvature * m * b[a] * carriedPart(p, a, n, m / volume[p], thickness);
+		for (int at = 0; at < supportCount<D>; ++at) {
+			double weight = 1.0;
+			for (int a = 0, rest = at; a < D; ++a, rest /= supportNodes)
+				weight *= a == n ? (rest % supportNodes == 1 ? -2.0 : 1.0) : w.value[a][rest % supportNodes][k];
+			Vec<D> force;
+			for (int a = 0; a < D; ++a)
+				force[a] = weight * moved[a];
+			const int node = w.base[k] + w.offset[at];
+			for (int a = 0; a < D; ++a)
+				nodes[node][forceAt + a] += force[a];
+			push(k, node, force);
+		}
+	}
+}
 
 extern template class SolidMotion<2>;
 extern template class SolidMotion<3>;

@@ -149,10 +149,7 @@ template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const Poi
 	const double  size    = lengthOf<D>(gravity);
 	if (size == 0.0) return;
 	Vec<D> down {};
-	int    steepest = 0;
-	for (int a = 1; a < D; ++a)
-		if (std::abs(gravity[a]) >= std::abs(gravity[steepest])) steepest = a;
-	down[steepest] = 1.0;
+	down[layerNormal<D>(gravity)] = 1.0;
 	// strain along gravity by which a point expands when it loses its load
 	const auto unloadingAt = [&](int p) { return std::max(0.0, points.pressureAlong(p, down)) / modulus[p]; };
 	step.strips.scatter(

@@ -112,12 +112,19 @@ template <int D> void FrontTransfer<D>::bringAffine(const Grid<D>& grid, const W
 
 template <int D> void FrontTransfer<D>::push(const WeightBlock<D>& w, int k, const Vec<D>& force)
 {
-	if (nodes_->empty() || !nodes_->near(w.first + k) || !nodes_->frozen(w.first + k)) return;
 	overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
-		if (nodes_->slot(node) < 0) return;
+		Vec<D> part;
 		for (int i = 0; i < D; ++i)
-			records_->sums(nodes_->slot(node))[R::forceAt + i] += s * force[i];
+			part[i] = s * force[i];
+		pushNode(w.first + k, node, part);
 	});
+}
+
+template <int D> void FrontTransfer<D>::pushNode(int p, int node, const Vec<D>& force)
+{
+	if (nodes_->empty() || !nodes_->near(p) || !nodes_->frozen(p) || nodes_->slot(node) < 0) return;
+	for (int i = 0; i < D; ++i)
+		records_->sums(nodes_->slot(node))[R::forceAt + i] += force[i];
 }
 
 template <int D> void FrontTransfer<D>::addGravity(const Vec<D>& gravity)

@@ -38,6 +38,7 @@ public:
 	void map(const StepContext<D>& step, const WeightBlock<D>& w, const Points& points, const AffineVelocity<D>* affine);
 	/// Adds a force [N] on point k of a block that its stress does not contain.
 	void push(const WeightBlock<D>& w, int k, const Vec<D>& force);
+	void pushNode(int place, int node, const Vec<D>& force);
 	/// Adds the weight of the frozen side; call before mirrors are folded.
 	void addGravity(const Vec<D>& gravity);
 	/// Gives the frozen side its part, by mass, of a load on a front node of this mass [N]; call before mirrors are folded.

@@ -54,6 +54,7 @@ public:
 	}
 	/// Adds a force [N] on point k of a block to the front nodes: one that the mapped stress does not contain.
 	void push(const WeightBlock<D>& w, int k, const Vec<D>& force) { transfer_.push(w, k, force); }
+	void pushNode(int place, int node, const Vec<D>& force) { transfer_.pushNode(place, node, force); }
 	void addGravity(const Vec<D>& gravity) { transfer_.addGravity(gravity); }
 	/// Gives the frozen side its part of a surface load [N] on a node of this mass [kg]; call before mirrors are folded.
 	void addLoad(int node, double mass, const Vec<D>& force);

@@ -25,6 +25,15 @@ template <int D> double lengthOf(const Vec<D>& v)
 	return std::sqrt(sum);
 }
 
+/// The axis nearest to gravity: layers of ground lie across it. Of equal components the last.
+template <int D> int layerNormal(const Vec<D>& gravity)
+{
+	int normal = 0;
+	for (int a = 1; a < D; ++a)
+		if (std::abs(gravity[a]) >= std::abs(gravity[normal])) normal = a;
+	return normal;
+}
+
 /// Number of stored stress components: plane strain keeps xx, yy, zz, xy; 3-D keeps xx, yy, zz, yz, xz, xy.
 template <int D> constexpr int stressSize = D == 2 ? 4 : 6;
 
