@@ -28,8 +28,8 @@ public:
 	/// Adds mass, momentum and internal force of a block, with addedStress. Maps capacity and capacity times (carried - carriedFrom) along, if
 	/// not null, where records Moving have columns for them.
 	void map(const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
-	/// Moves the weight of a block from the middle of each point to its upper and lower face, half to each, as far as stress carries it, eq. (8.2a).
-	/// liquidMass(place) [kg]; push(k, node, force): the same force on a side of the thaw front.
+	/// Moves the weight of points that fill a cell from their middle to their upper and lower face, half to each, as far as stress carries it,
+	/// eq. (8.2b). liquidMass(place) [kg]; push(k, node, force): the same force on a side of the thaw front.
 	template <class LiquidMass, class Push> void mapWeight(const WeightBlock<D>& w, double spacing, LiquidMass&& liquidMass, Push&& push);
 	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes. increment, unless null: what the points gather
 	/// of column increment, where records Solved have one.
@@ -72,14 +72,16 @@ void SolidMotion<D>::mapWeight(const WeightBlock<D>& w, double spacing, LiquidMa
 {
 	const Vec<D>& b = settings->gravity;
 	const int     n = layerNormal<D>(b);
+	const double  cell = D == 2 ? spacing * spacing : spacing * spacing * spacing;
 	for (int k = 0; k < w.count; ++k) {
 		const double curvature = -0.5 * spacing * spacing * w.slope[n][0][k] * w.slope[n][2][k];
 		if (!(curvature > 0.0)) continue; // in the middle of its cell
-		const int    p = w.first + k;
-		const double m = mass[p] + liquidMass(p), thickness = std::min(spacing, std::pow(volume[p], 1.0 / D)), part = thickness / spacing;
+		const int p = w.first + k;
+		if (!(2.0 * volume[p] > cell)) continue; // several points of a cell share its weight
+		const double m = mass[p] + liquidMass(p), thickness = std::min(spacing, spacing * volume[p] / cell);
 		Vec<D>       moved;
 		for (int a = 0; a < D; ++a)
-			moved[a] = part * part * curvature * m * b[a] * carriedPart(p, a, n, m / volume[p], thickness);
+			moved[a] = curvature * m * b[a] * carriedPart(p, a, n, m / volume[p], thickness);
 		for (int at = 0; at < supportCount<D>; ++at) {
 			double weight = 1.0;
 			for (int a = 0, rest = at; a < D; ++a, rest /= supportNodes)

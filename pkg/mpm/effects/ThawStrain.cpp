@@ -35,6 +35,7 @@ ThawStrain<D>::ThawStrain(PointFields& fields, const GroundSettings<D>& settings
 template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, int cells)
 {
 	points_           = &points;
+	down_[layerNormal<D>(settings_->motion->gravity)] = 1.0;
 	frozenSaturation_ = points.fields().component(frozenSaturationField_);
 	released_         = points.fields().component(releasedField_);
 	open_             = points.fields().component(openField_);
@@ -45,6 +46,7 @@ template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, int cells)
 		widened_  = points.fields().component(widenedField_);
 		dilation_ = points.fields().component(dilationField_);
 		lastIce_  = points.fields().component(iceField_);
+		freezing_.reset(points.count());
 		widening_.reset(points.count());
 	}
 	sharing_.reset(averages() ? cells : points.count());
@@ -73,23 +75,35 @@ template <int D> void ThawStrain<D>::releaseAt(int p, const double* iceSaturatio
 	open_[p] += more * initialVolume[p] / lastVolume_[p];
 }
 
-/// Water that freezes and cannot leave parts the grains, eq. (24.7). dilation: of the ground in the step [m^D].
-template <int D> void ThawStrain<D>::widenAt(int p, double dilation, double iceMass, double kept)
+/// What pore ice does that grows or melts in the step, before cells share it. dilation: of the ground in the step [m^D].
+template <int D> void ThawStrain<D>::followIce(int p, double dilation, double iceMass, double kept, Sharing& s)
 {
-	const double more = expansion_ * (iceMass - lastIce_[p]);
-	lastIce_[p]  = iceMass;
+	const double more = expansion_ * (iceMass - lastIce_[p]), leaves = std::min(widened_[p], std::max(0.0, -more));
+	lastIce_[p] = iceMass;
+	widened_[p] -= leaves;
+	open_[p] += leaves / lastVolume_[p];
+	freezing_[p] = std::max(0.0, more);
 	dilation_[p] = kept * dilation_[p] + dilation;
-	widening_[p] = 0.0;
-	if (more > 0.0) {
-		const double widens = std::clamp(dilation_[p], 0.0, more);
-		dilation_[p] -= widens;
-		widened_[p] += widens;
-		widening_[p] = widens / lastVolume_[p];
-	} else {
-		const double leaves = std::min(widened_[p], -more);
-		widened_[p] -= leaves;
-		open_[p] += leaves / lastVolume_[p];
-	}
+	s.freezing += freezing_[p];
+	s.dilation += dilation_[p];
+}
+
+/// Water that freezes and cannot leave parts the grains, eq. (24.7).
+template <int D> void ThawStrain<D>::widen(const StepContext<D>& step, const PointsInMotion<D>& points)
+{
+	step.strips.gather([&](int strip, int first, int last) {
+		double work = 0.0;
+		for (int p = first; p < last; ++p) {
+			const Sharing& s     = sharing(p);
+			const double   widens = std::clamp(s.dilation, 0.0, s.freezing), strain = widens / s.volume;
+			widening_[p]         = strain;
+			if (!(strain > 0.0)) continue;
+			dilation_[p] -= strain * points.volume[p];
+			widened_[p] += widens * freezing_[p] / s.freezing;
+			work += strain * points.volume[p] * points.pressureAlong(p, down_);
+		}
+		step.ledger.ofStrip(strip).segregationWork += work;
+	});
 }
 
 template <int D> void ThawStrain<D>::keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
@@ -97,6 +111,9 @@ template <int D> void ThawStrain<D>::keepOnly(const ActiveRange& range, int firs
 	if (averages()) sharing_.keepOnly(range.firstCell, range.lastCell);
 	else sharing_.keepOnly(firstPoint, endPoint);
 	asked_.keepOnly(firstPoint, endPoint);
+	if (expansion_ == 0.0) return;
+	freezing_.keepOnly(firstPoint, endPoint);
+	widening_.keepOnly(firstPoint, endPoint);
 }
 
 /// Points of neighbouring strips may lie in one cell.
@@ -121,8 +138,8 @@ void ThawStrain<D>::release(
 	        [&](int, int first, int last) {
 		        for (int p = first; p < last; ++p) {
 			        releaseAt(p, iceSaturation, points.initialVolume);
-			        if (expansion_ > 0.0) widenAt(p, lastVolume_[p] * points.trace(p), iceMass[p], kept);
 			        Sharing& s = sharing(p);
+			        if (expansion_ > 0.0) followIce(p, lastVolume_[p] * points.trace(p), iceMass[p], kept, s);
 			        s.volume += volume[p];
 			        s.room += lastVolume_[p] * open_[p];
 			        s.contraction += lastVolume_[p] * (1.0 - swollen_[p]) - volume[p];
@@ -145,21 +162,18 @@ template <int D> const std::vector<int>& ThawStrain<D>::openAmong(const std::vec
 
 template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const PointsInMotion<D>& points, const double* modulus, const Gradients<D>& gradient)
 {
-	const Vec<D>& gravity = settings_->motion->gravity;
-	const double  size    = lengthOf<D>(gravity);
-	if (size == 0.0) return;
-	Vec<D> down {};
-	down[layerNormal<D>(gravity)] = 1.0;
+	if (lengthOf<D>(settings_->motion->gravity) == 0.0) return;
 	// strain along gravity by which a point expands when it loses its load
-	const auto unloadingAt = [&](int p) { return std::max(0.0, points.pressureAlong(p, down)) / modulus[p]; };
+	const auto unloadingAt = [&](int p) { return std::max(0.0, points.pressureAlong(p, down_)) / modulus[p]; };
 	step.strips.scatter(
 	        [&](int, int first, int last) {
 		        for (int p = first; p < last; ++p)
 			        if (asked_[p]) sharing(p).elastic += points.volume[p] * unloadingAt(p);
 	        },
 	        [&](HaloExchange& rows) { shareCells(rows); });
+	if (expansion_ > 0.0) widen(step, points);
 	for (int p = step.strips.firstPoint(); expansion_ > 0.0 && p < step.strips.endPoint(); ++p)
-		if (widening_[p] > 0.0) closed_.add(gradient, p, -widening_[p], down);
+		if (widening_[p] > 0.0) closed_.add(gradient, p, -widening_[p], down_);
 	for (const int p : all_) {
 		const Sharing& s       = sharing(p);
 		const double   settled = std::min(s.room, std::max(0.0, s.contraction)), left = s.room - settled;
@@ -167,7 +181,7 @@ template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const Poi
 		const double   closes   = settled / s.volume + (ownUnloading_ && unloaded > 0.0 ? unloaded / s.elastic * unloadingAt(p) : unloaded / s.volume);
 		open_[p]                = (left - unloaded) / s.volume;
 		swollen_[p]             = open_[p] > 0.0 ? std::max(0.0, -s.contraction) / s.volume : 0.0;
-		closed_.add(gradient, p, closes, down); // gradient of the soil, eq. (24.2)
+		closed_.add(gradient, p, closes, down_); // gradient of the soil, eq. (24.2)
 	}
 }
 

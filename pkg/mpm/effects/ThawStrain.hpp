@@ -53,10 +53,13 @@ private:
 		double volume, room; ///< [m^D]; what ice has left open [m^D]
 		double contraction;  ///< of the step, less what the ground has swollen by with its room open [m^D]
 		double elastic;      ///< what the soil would expand by without its load [m^D]
+		double dilation;     ///< of the ground lately, that is not of widened pores [m^D]
+		double freezing;     ///< by which ice that has formed in the step exceeds its water [m^D]
 	};
 	Sharing& sharing(int place);
 	void     releaseAt(int place, const double* iceSaturation, const double* initialVolume);
-	void     widenAt(int place, double dilation, double iceMass, double kept);
+	void     followIce(int place, double dilation, double iceMass, double kept, Sharing& s);
+	void     widen(const StepContext<D>& step, const PointsInMotion<D>& points);
 	void     shareCells(HaloExchange& rows);
 	bool     averages() const { return settings_->motion->bBar; }
 
@@ -69,7 +72,8 @@ private:
 	/// Of pore ice that widens its pores: the volume by which it has done so [m^D], what the ground has dilated by lately [m^D], ice before [kg].
 	double *           widened_ = nullptr, *dilation_ = nullptr, *lastIce_ = nullptr;
 	double             expansion_ = 0.0; ///< volume by which ice exceeds its water over its mass [m^D/kg]; 0: ice widens nothing
-	PagedArray<double> widening_;        ///< strain of the step by place [-]
+	PagedArray<double> freezing_, widening_; ///< of the step by place: see Sharing::freezing [m^D]; strain of the ground that is none of the soil [-]
+	Vec<D>             down_ {};         ///< normal of the layers
 	/// Each point of a cell unloads by its own load, not by the mean of the cell. With pore water frozen points stand in tension beside thawed
 	/// ones, and the mean would open soil that has no load: a column then settles by 16 % too little. Without water the mean is nearer.
 	bool                ownUnloading_ = false;

@@ -290,7 +290,6 @@ void MohrCoulombSkeleton<D>::splitModulus(
 		parts.grainShear[k]   = grains * unit.shear;
 		parts.iceLambda[k]    = ice * unit.lambda;
 		parts.iceShear[k]     = ice * unit.shear;
-		parts.grainTension[k] = piece.tensileStrength[k] * (grains / whole);
 		parts.hidden[k]       = (parts.grainLambda[k] + 2.0 / 3.0 * parts.grainShear[k]) * opening[k];
 		iceModulus[k]         = ice;
 	}
@@ -330,31 +329,10 @@ template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBa
 	}
 	updateElastic<D>(count, parts.grainLambda, parts.grainShear, from(b.gradient, first), stress);
 	updateElastic<D>(count, parts.iceLambda, parts.iceShear, from(b.gradient, first), ice);
-	partGrains(first, count, parts, stress);
 	for (int c = 0; c < stressSize<D>; ++c)
 		addTo(count, ice[c], stress[c]);
+	std::fill_n(fields_->component(opening_) + first, count, 0.0); // limitSum() finds it anew
 	limitSum(first, count, piece, parts, stress);
-}
-
-/// No grain is pulled by more than holds it to its neighbours. The volume by which grains part beyond is kept: its stress, were they
-/// not parted, returns in the next step, so that what presses them together closes the opening first.
-template <int D> void MohrCoulombSkeleton<D>::partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const
-{
-	double* const    opening = fields_->component(opening_) + first;
-	MohrCoulombState onlyTension {};
-	double           noCone[pieceSize];
-	std::fill(noCone, noCone + count, 1e300);
-	onlyTension.cosFriction = 1.0;
-	long long parted[pieceSize];
-	findYielding(onlyTension, noCone, parts.grainTension, stress, count, parted);
-	for (int k = 0; k < count; ++k) {
-		opening[k] = 0.0;
-		// without ice the grains slide before they part: see limitSum
-		parted[k] = parted[k] && parts.iceShear[k] > 0.0;
-	}
-	overMarked(parted, count, stress, [&](int k, PrincipalStresses<D>& s) {
-		opening[k] = cut(parts.grainTension[k], s) / (3.0 * parts.grainLambda[k] + 2.0 * parts.grainShear[k]);
-	});
 }
 
 /// Volume by which grains part when a trial stress returns to strength, over their volume: what tension alone took from the mean stress, without

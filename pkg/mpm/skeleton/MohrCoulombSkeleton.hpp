@@ -39,8 +39,8 @@ namespace talik {
 /// In ground that freezes the stress has two parts in parallel, as a bonded contact has: that of the grains, with the thawed
 /// modulus, and that of the ice, with E(S_i) less it. New ice is free of stress; ice that melts takes its share of the ice's
 /// stress with it: sigma_ice *= E_ice(new)/E_ice(old). Strength limits the sum, as it limits the force of a bond as a whole; what
-/// exceeds it is taken off both parts by their stiffnesses. Where grains part (ice pushes them apart, or ground opens) the
-/// volume of the opening is kept, and the grains are pressed again only when it has closed. Given initial stress is that of the grains.
+/// exceeds it is taken off both parts by their stiffnesses. Where ground opens the volume of the opening is kept, and the grains
+/// are pressed again only when it has closed. Given initial stress is that of the grains.
 template <int D> class MohrCoulombSkeleton final : public SkeletonModel<D> {
 public:
 	TALIK_PARAMETERS(TALIK_MOHR_COULOMB_SKELETON)
@@ -70,7 +70,6 @@ private:
 	/// The two parts of points in sequence, and what each may bear.
 	struct Parts {
 		double grainLambda[pieceSize], grainShear[pieceSize], iceLambda[pieceSize], iceShear[pieceSize];
-		double grainTension[pieceSize]; ///< that the grains bear [Pa]
 		double hidden[pieceSize];       ///< stress that the opening stands for [Pa]
 		double keptIce[pieceSize];      ///< share of the ice's stress that melting leaves [-]
 	};
@@ -81,7 +80,6 @@ private:
 	/// count points in sequence from place first on
 	void          updateRun(const SkeletonBatch<D>&, int first, int count);
 	void          updateFreezingRun(const SkeletonBatch<D>&, int first, int count);
-	void          partGrains(int first, int count, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
 	static double openedBy(const MohrCoulombState& m, const PrincipalStresses<D>& trial, const PrincipalStresses<D>& returned);
 	void          limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
 

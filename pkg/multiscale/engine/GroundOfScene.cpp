@@ -148,9 +148,8 @@ namespace {
 			d["impulse"]  = tupleOf(b.impulse);
 			TALIK_PUT_MEMBERS(d, b, (enthalpy)(heatIn)(enthalpyOut)(kineticEnergy)(gravityEnergy)(skeletonWork)(porePressureWork))
 			TALIK_PUT_MEMBERS(d, b, (dragDissipation)(dampingDissipation)(loadWork)(slipWork)(wallWork))
-			if (inside.settings().segregation) {
-				TALIK_PUT_MEMBERS(d, b, (waterDrawn)(segregationWork))
-			}
+			if (inside.settings().segregation) d["waterDrawn"] = b.waterDrawn;
+			if (inside.settings().segregation || (inside.settings().freezing && inside.settings().water)) d["segregationWork"] = b.segregationWork;
 			return d;
 		}
 
