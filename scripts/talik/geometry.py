@@ -49,7 +49,8 @@ def fill(mpm, polygon, pointsPerCell=None, holes=(), **attributes):
 	"""Adds points that fill an outline, or in space a solid, to an MpmEngine, on the lattice of its grid; returns the ids of the new points (n,).
 
 	polygon        corners (m, 2) of an outline [m], or a solid of talik.solids: box, extruded, closedSurface, terrain
-	pointsPerCell  a square number, in space a cubic one; default: two points in each direction
+	pointsPerCell  a square number, in space a cubic one; default: one where the ground has a FreezingCurve, so that a cell is one piece of ground,
+				   frozen or not; otherwise two points in each direction
 	holes          outlines inside a polygon that are left out, each a list of corners (m, 2) [m]
 
 	Attributes are those of MpmEngine.addPoints: porosity [-], poreFill (part of the pores that holds water or ice) [-], temperature
@@ -64,13 +65,15 @@ def fill(mpm, polygon, pointsPerCell=None, holes=(), **attributes):
 	True"""
 	solid = polygon if isinstance(polygon, Solid) else None
 	_checkDimension(mpm, solid)
+	if pointsPerCell is None:
+		pointsPerCell = 1 if mpm.freezing is not None else 4 if solid is None else 8
 	if solid is None:
-		positions, volumes = fillPolygon(polygon, mpm.gridSpacing, 4 if pointsPerCell is None else pointsPerCell, _gridOrigin(mpm, 2), holes)
+		positions, volumes = fillPolygon(polygon, mpm.gridSpacing, pointsPerCell, _gridOrigin(mpm, 2), holes)
 	else:
 		if len(holes):
 			raise ValueError("fill: holes are for polygons in the plane; leave them out of a solid")
 		_refuseOutside(mpm, solid)
-		positions, volumes = solid.points(_latticeSide(mpm.gridSpacing, 8 if pointsPerCell is None else pointsPerCell, 3), _gridOrigin(mpm, 3))
+		positions, volumes = solid.points(_latticeSide(mpm.gridSpacing, pointsPerCell, 3), _gridOrigin(mpm, 3))
 	values = {name: value(*positions.T) if callable(value) else value for name, value in attributes.items()}
 	first = mpm.pointCount
 	mpm.addPoints(position=positions, volume=volumes, **values)

@@ -69,7 +69,7 @@ def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0, waterTabl
 	layers         {name: dict(polygon=corners (m, 2) [m], …)} with, where wanted, holes=[corners, …] that are left out, material=GroundMaterial(…),
 				   which is named like the layer unless it has a name, skeleton=a skeleton law, and attributes of talik.geometry.fill: porosity,
 				   temperature, pressure, velocity, poreFill
-	pointsPerCell  a square number; default 4
+	pointsPerCell  a square number; default that of talik.geometry.fill
 	lateralRatio   horizontal over vertical effective stress at rest [-]: points start with the stress of the weight above them; None: with none.
 				   Samples have theirs by talik.slope.settle
 	load           pressure on the surface at the start [Pa], with lateralRatio
@@ -83,7 +83,7 @@ def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0, waterTabl
 	>>> iceRich = dict(polygon=talik.geometry.rectangle(0, 0, 4, 1), porosity=0.7, temperature=-2, material=GroundMaterial(thawStrain=0.4))
 	>>> layers = talik.layers.fill(mpm, {"silt": silt, "ice-rich": iceRich}, lateralRatio=0.5)
 	>>> len(layers["ice-rich"])
-	64"""
+	16"""
 	_refuseUnknown(layers)
 	outlines = {name: _outlineOf(name, layer) for name, layer in layers.items()}
 	_refuseOverlaps(outlines)
