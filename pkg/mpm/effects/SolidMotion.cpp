@@ -51,7 +51,8 @@ template <int D> void SolidMotion<D>::map(const WeightBlock<D>& w, const double*
 
 template <int D> double SolidMotion<D>::carriedPart(int p, int a, int normal, double density, double thickness) const
 {
-	const double weight  = 0.5 * density * settings->gravity[a] * thickness * (settings->gravity[normal] < 0.0 ? 1.0 : -1.0);
+	// at the surface stress carries half of the weight of a point, and swings about that
+	const double weight  = 0.25 * density * settings->gravity[a] * thickness * (settings->gravity[normal] < 0.0 ? 1.0 : -1.0);
 	const double carried = stress[stressIndex<D>(a, normal)][p] + (a == normal && addedStress ? addedStress[p] : 0.0);
 	return weight == 0.0 ? 0.0 : std::clamp(carried / weight, 0.0, 1.0);
 }

@@ -41,7 +41,6 @@ template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, int cells)
 	open_             = points.fields().component(openField_);
 	swollen_          = points.fields().component(swollenField_);
 	lastVolume_       = points.fields().component(lastVolumeField_);
-	ownUnloading_     = bool(settings_->water);
 	if (expansion_ > 0.0) {
 		widened_  = points.fields().component(widenedField_);
 		dilation_ = points.fields().component(dilationField_);
@@ -177,8 +176,7 @@ template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const Poi
 	for (const int p : all_) {
 		const Sharing& s       = sharing(p);
 		const double   settled = std::min(s.room, std::max(0.0, s.contraction)), left = s.room - settled;
-		const double   unloaded = std::min(s.elastic, left);
-		const double   closes   = settled / s.volume + (ownUnloading_ && unloaded > 0.0 ? unloaded / s.elastic * unloadingAt(p) : unloaded / s.volume);
+		const double   unloaded = std::min(s.elastic, left), closes = (settled + unloaded) / s.volume;
 		open_[p]                = (left - unloaded) / s.volume;
 		swollen_[p]             = open_[p] > 0.0 ? std::max(0.0, -s.contraction) / s.volume : 0.0;
 		closed_.add(gradient, p, closes, down_); // gradient of the soil, eq. (24.2)

@@ -74,9 +74,6 @@ private:
 	double             expansion_ = 0.0; ///< volume by which ice exceeds its water over its mass [m^D/kg]; 0: ice widens nothing
 	PagedArray<double> freezing_, widening_; ///< of the step by place: see Sharing::freezing [m^D]; strain of the ground that is none of the soil [-]
 	Vec<D>             down_ {};         ///< normal of the layers
-	/// Each point of a cell unloads by its own load, not by the mean of the cell. With pore water frozen points stand in tension beside thawed
-	/// ones, and the mean would open soil that has no load: a column then settles by 16 % too little. Without water the mean is nearer.
-	bool                ownUnloading_ = false;
 	PagedArray<Sharing> sharing_;
 	PagedArray<char>    asked_; ///< by place: the point is one of all_
 	std::vector<int>    ofSkeleton_, all_;

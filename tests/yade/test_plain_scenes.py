@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What an engineer sets up first, at the defaults: ground that thaws or goes through seasons, and in which nothing should happen."""
+
+import math
+
+import numpy as np
+import pytest
+from yade import O, wrapper
+
+import talik
+
+silt = dict(young=1e7, youngFrozen=5e7, frictionAngle=30, cohesion=5e3, cohesionFrozen=3e5, tensileStrength=0)
+
+
+def rows(mpm, name, component=None):
+	"""Values of a field from the surface down, a column of one point in each row."""
+	values = mpm.field(name)[np.argsort(-mpm.field("position")[:, 1])]
+	return values if component is None else values[:, component]
+
+
+def run(mpm):
+	O.reset()
+	O.engines = [mpm]
+	O.step()
+	return mpm
+
+
+def thawingLevelGround(h, pressure, recharge=True, seconds=None):
+	"""Two metres over rollers that thaw from the surface to the base within a year, and then rest."""
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(h, 3),
+		gravity=(0, -9.81),
+		damping=0.3,
+		water=wrapper.PoreWater(pressure=pressure),
+		skeleton=wrapper.MohrCoulombSkeleton(youngFrozen=2e7, cohesion=2e3),
+		heat=wrapper.HeatTransfer(thermalTimeScale=2e6),
+		freezing=wrapper.FreezingCurve(),
+		boundaries=[
+			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
+			wrapper.SurfaceTemperature(region="surface", temperature=10),
+			wrapper.DrainedBoundary(region="surface", recharge=recharge),
+		],
+	)
+	talik.layers.fill(mpm, {"soil": dict(polygon=talik.geometry.rectangle(0, 0, h, 2), temperature=-2)}, lateralRatio=0.5, waterTable=2)
+	return run(mpm)
+
+
+@pytest.mark.parametrize("h", [0.25, 0.125])
+@pytest.mark.parametrize("pressure", ["implicit", "explicit"])
+def test_saturated_level_ground_that_has_thawed_rests_with_the_weight_on_each_row_and_draws_in_what_its_ice_leaves(pressure, h):
+	mpm = thawingLevelGround(h, pressure)
+	pores, water = (rows(mpm, "porosity") * rows(mpm, "volume")).sum(), rows(mpm, "waterMass").sum()
+	talik.runUntilDay(mpm, 330)
+	due = (pores * 1000 * (1 - 2.1e-4 * mpm.field("temperature").mean()) - water) / h
+	assert mpm.field("iceSaturation").max() == 0
+	moved, drawn = 1e3 * rows(mpm, "displacement", 1)[0], -mpm.balance()["waterOut"] / h
+	total = rows(mpm, "stress", 1) - rows(mpm, "pressure")
+	weight = -9.81 * (0.6 * 2650 + 0.4 * 1000) * h * (np.arange(len(total)) + 0.5)
+	worst = np.abs(total / weight - 1).max()
+	mpm.heat.thermalTimeScale = 1e-3
+	before = rows(mpm, "displacement", 1)[0]
+	O.run(int(5 / O.dt), True)
+	later = 1e3 * (rows(mpm, "displacement", 1)[0] - before)
+	print(f"{pressure}, h {h} m: surface moved {moved:.2f} mm (due 0, tolerance 2), in 5 s more {later:.3f} mm (0, 0.1); total stress of rows over the weight "
+		f"above {worst:.3f} off (0, 0.1); water drawn in {drawn:.1f} kg/m2 (by hand {due:.1f}, tolerance 1 %)")
+	assert abs(moved) < 2 and abs(later) < 0.1 and worst < 0.1 and abs(drawn / due - 1) < 0.01
+
+
+def overPermafrost(h, law, **settings):
+	"""Four metres of silt over permafrost under a surface of -2 degC +- 8 K."""
+	days = list(range(0, 365 * 4, 10))
+	values = [8 * math.cos(2 * math.pi * day / 365) - 2 for day in days]
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(h, 6),
+		gravity=(0, -9.81),
+		damping=0.3,
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e7),
+		freezing=wrapper.FreezingCurve(width=0.3),
+		water=wrapper.PoreWater(conductivity=1e-8, referencePorosity=0.48),
+		material=wrapper.GroundMaterial(name="silt", solidConductivity=2.0),
+		skeleton=law,
+		boundaries=[
+			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
+			wrapper.SurfaceTemperature(region="surface", days=days, values=values),
+			wrapper.DrainedBoundary(region="surface"),
+		],
+		**settings,
+	)
+	polygon = talik.geometry.rectangle(0, 0, h, 4)
+	talik.layers.fill(mpm, {"silt": dict(polygon=polygon, porosity=0.48, temperature=-1.0)}, lateralRatio=0.5, waterTable=4)
+	return run(mpm)
+
+
+@pytest.mark.parametrize(
+	"h, law",
+	[
+		(0.25, lambda: wrapper.MohrCoulombSkeleton(**silt)),
+		(0.25, lambda: wrapper.ElasticSkeleton(young=1e7)),
+		pytest.param(0.125, lambda: wrapper.MohrCoulombSkeleton(**silt), id="fine_slow"),
+	],
+)
+def test_ground_over_permafrost_comes_back_to_its_height_every_summer(h, law):
+	mpm = overPermafrost(h, law())
+	start, heaves, left, volumes = rows(mpm, "volume").sum() / h, [], [], []
+	for year in (0, 1, 2):
+		talik.runUntilDay(mpm, 365 * year + 200)
+		heaves.append(1e3 * rows(mpm, "displacement", 1)[0])
+		talik.runUntilDay(mpm, 365 * (year + 1) + 60)
+		left.append(1e3 * rows(mpm, "displacement", 1)[0])
+		volumes.append(1e3 * (rows(mpm, "volume").sum() / h - start))
+	print(f"h {h} m: heave in winter {np.round(heaves, 1)} mm, left in late summer by the path of the surface {np.round(left, 2)} mm, by volume "
+		f"{np.round(volumes, 2)} mm; due 0, tolerance 3 mm of the path, 1 mm of the volume")
+	assert min(heaves) > 15 and np.abs(left).max() < 3 and np.abs(volumes).max() < 1
+
+
+def slope(angle, h, law, thickness, temperature, table, material=None, **settings):
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h,
+		skeleton=law,
+		damping=0.05,
+		boundaries=[wrapper.SurfaceTemperature(region="surface", **table), wrapper.DrainedBoundary(region="surface")],
+		**(dict(material=material) if material else {}),
+		**settings,
+	)
+	talik.slope.infiniteColumn(mpm, angle, {"soil": dict(thickness=thickness, porosity=0.4, temperature=temperature)}, waterDepth=0)
+	return run(mpm)
+
+
+@pytest.mark.parametrize("pressure, h, most", [("implicit", 0.25, 5), pytest.param("implicit", 0.125, 6, id="fine_slow"), ("explicit", 0.25, 20)])
+def test_a_slope_with_thaw_strain_and_a_factor_of_safety_of_one_and_a_half_stands_while_it_thaws(pressure, h, most):
+	"""By hand F is 1.55 when 0.5 m have thawed: 15 degrees, excess pressure of 1.1 kPa at the front."""
+	mpm = slope(
+		15,
+		h,
+		wrapper.MohrCoulombSkeleton(young=5e6, youngFrozen=4e7, frictionAngle=28, cohesion=2e3, cohesionFrozen=3e5),
+		2.5,
+		-1,
+		dict(days=[0, 10], values=[-1, 8]),
+		wrapper.GroundMaterial(solidConductivity=2.0, thawStrain=0.08),
+		heat=wrapper.HeatTransfer(thermalTimeScale=5e5, followsMotion=True),
+		freezing=wrapper.FreezingCurve(width=0.3),
+		water=wrapper.PoreWater(conductivity=1e-7, pressure=pressure, referencePorosity=0.4),
+	)
+	talik.runUntilDay(mpm, 20)
+	path, thawed = 1e3 * rows(mpm, "displacement", 0)[0], h * (mpm.field("iceSaturation") < 0.5).sum()
+	print(f"{pressure}, h {h} m: thawed {thawed:.2f} m, path of the surface along the slope {path:.2f} mm; F 1.55: due 0, tolerance {most} mm")
+	assert 0.35 < thawed < 0.8 and abs(path) < most
+
+
+@pytest.mark.parametrize("cohesion", [4e3, 1e3])
+def test_a_saturated_slope_that_freezes_and_thaws_creeps_by_no_more_than_its_heave_times_the_tangent_of_its_angle(cohesion):
+	days = np.linspace(0, 360, 181)
+	table = dict(days=days.tolist(), values=(4 * np.sin(2 * np.pi * days / 120)).tolist())
+	mpm = slope(
+		18,
+		0.2,
+		wrapper.MohrCoulombSkeleton(youngFrozen=2e7, frictionAngle=30, cohesion=cohesion),
+		1.4,
+		-2,
+		table,
+		heat=wrapper.HeatTransfer(thermalTimeScale=2e6, followsMotion=True),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(conductivity=1e-6, pressure="implicit"),
+	)
+	path, heave, most = [0.0], [], 0.09 * 0.4 * 0.4 * math.tan(math.radians(18)) * 1e3
+	for cycle in (0, 1, 2):
+		talik.runUntilDay(mpm, 120 * cycle + 60)
+		low = rows(mpm, "displacement", 1)[0]
+		talik.runUntilDay(mpm, 120 * cycle + 119)
+		heave.append(1e3 * (rows(mpm, "displacement", 1)[0] - low))
+		path.append(1e3 * rows(mpm, "displacement", 0)[0])
+	creep = np.diff(path)
+	print(f"cohesion {cohesion:.0f} Pa: along the slope {np.round(creep, 2)} mm a cycle (by hand at most {most:.1f}), heave {np.round(heave, 1)} mm")
+	assert np.abs(creep).max() < most
