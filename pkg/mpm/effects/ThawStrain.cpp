@@ -23,7 +23,6 @@ ThawStrain<D>::ThawStrain(PointFields& fields, const GroundSettings<D>& settings
 	frozenSaturationField_ = fields.declare("frozenSaturation", "thawStrain", "-", 1);
 	releasedField_         = fields.declare("thawStrainReleased", "thawStrain", "-", 1);
 	openField_             = fields.declare("thawStrainOpen", "thawStrain", "-", 1);
-	swollenField_          = fields.declare("thawStrainSwollen", "thawStrain", "-", 1);
 	lastVolumeField_       = fields.declare("volumeBefore", "thawStrain", "m^D", 1);
 	expansion_             = expansionOfIce(settings);
 	if (expansion_ == 0.0) return;
@@ -39,7 +38,6 @@ template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, int cells)
 	frozenSaturation_ = points.fields().component(frozenSaturationField_);
 	released_         = points.fields().component(releasedField_);
 	open_             = points.fields().component(openField_);
-	swollen_          = points.fields().component(swollenField_);
 	lastVolume_       = points.fields().component(lastVolumeField_);
 	if (expansion_ > 0.0) {
 		widened_  = points.fields().component(widenedField_);
@@ -141,7 +139,7 @@ void ThawStrain<D>::release(
 			        if (expansion_ > 0.0) followIce(p, lastVolume_[p] * points.trace(p), iceMass[p], kept, s);
 			        s.volume += volume[p];
 			        s.room += lastVolume_[p] * open_[p];
-			        s.contraction += lastVolume_[p] * (1.0 - swollen_[p]) - volume[p];
+			        s.contraction += lastVolume_[p] - volume[p];
 			        lastVolume_[p] = volume[p];
 		        }
 	        },
@@ -178,7 +176,6 @@ template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const Poi
 		const double   settled = std::min(s.room, std::max(0.0, s.contraction)), left = s.room - settled;
 		const double   unloaded = std::min(s.elastic, left), closes = (settled + unloaded) / s.volume;
 		open_[p]                = (left - unloaded) / s.volume;
-		swollen_[p]             = open_[p] > 0.0 ? std::max(0.0, -s.contraction) / s.volume : 0.0;
 		closed_.add(gradient, p, closes, down_); // gradient of the soil, eq. (24.2)
 	}
 }

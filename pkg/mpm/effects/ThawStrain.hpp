@@ -18,8 +18,8 @@ template <int D> class CellMeans;
 /// lenses lie flat, and thaw strain is measured as settlement without strain aside. A skeleton law knows the soil alone, so it is given
 /// the strain of the soil, which is that of the ground and what closes, eqs (24.1) to (24.3). Room that is open carries no stress:
 /// soil unloads into it or the ground settles until it is closed. With B-bar the points of a cell share their room, as they share their
-/// volumetric strain: else those without room would carry the load of the others, which then would never close. Ground that swells with
-/// its room open, as it does when it falls and springs back, has to contract by as much before the room closes further.
+/// volumetric strain: else those without room would carry the load of the others, which then would never close. Pore ice that has parted the grains,
+/// eq. (24.7), leaves such room, too.
 template <int D> class ThawStrain {
 public:
 	ThawStrain(PointFields& fields, const GroundSettings<D>& settings);
@@ -51,7 +51,7 @@ private:
 	/// Sums over the points of a cell, or one point.
 	struct Sharing {
 		double volume, room; ///< [m^D]; what ice has left open [m^D]
-		double contraction;  ///< of the step, less what the ground has swollen by with its room open [m^D]
+		double contraction;  ///< of the step [m^D]
 		double elastic;      ///< what the soil would expand by without its load [m^D]
 		double dilation;     ///< of the ground lately, that is not of widened pores [m^D]
 		double freezing;     ///< by which ice that has formed in the step exceeds its water [m^D]
@@ -66,11 +66,11 @@ private:
 	const GroundSettings<D>* settings_;
 	MaterialPoints<D>*       points_ = nullptr;
 	const CellMeans<D>*      cells_  = nullptr; ///< as release() had them
-	PointFields::Handle      frozenSaturationField_, releasedField_, openField_, swollenField_, lastVolumeField_;
+	PointFields::Handle      frozenSaturationField_, releasedField_, openField_, lastVolumeField_;
 	PointFields::Handle      widenedField_ = -1, dilationField_ = -1, iceField_ = -1;
-	double *                 frozenSaturation_ = nullptr, *released_ = nullptr, *open_ = nullptr, *swollen_ = nullptr, *lastVolume_ = nullptr;
+	double *                 frozenSaturation_ = nullptr, *released_ = nullptr, *open_ = nullptr, *lastVolume_ = nullptr;
 	/// Of pore ice that widens its pores: the volume by which it has done so [m^D], what the ground has dilated by lately [m^D], ice before [kg].
-	double *           widened_ = nullptr, *dilation_ = nullptr, *lastIce_ = nullptr;
+	double *widened_ = nullptr, *dilation_ = nullptr, *lastIce_ = nullptr;
 	double             expansion_ = 0.0; ///< volume by which ice exceeds its water over its mass [m^D/kg]; 0: ice widens nothing
 	PagedArray<double> freezing_, widening_; ///< of the step by place: see Sharing::freezing [m^D]; strain of the ground that is none of the soil [-]
 	Vec<D>             down_ {};         ///< normal of the layers
