@@ -15,6 +15,7 @@ ofMotion = {"velocity", "displacement", "mass", "stress", "initialVolume", "grad
 ofContent = {"solidMass", "waterMass", "porosity"}
 ofHeat = {"enthalpy", "temperature", "heatCapacity", "conductivity"}
 ofFreezing = {"iceMass", "iceSaturation", "heatShare"}
+ofOpenings = {"frozenSaturation", "thawStrainReleased", "thawStrainOpen", "volumeBefore", "widenedByIce", "dilationLately", "iceBefore"}
 ofWater = {"liquidVelocity", "pressure", "liquidFraction", "drag"}
 nodesOfMotion = {"massMomentumForce", "solvedVelocity"}
 nodesOfHeat = {"heatCapacitySum", "nodalTemperature", "nodalHeat"}
@@ -40,7 +41,7 @@ scenes = {
 	"motion with affine transfer": ({**motion, "transfer": "apic"}, pointsAlone | ofMotion | {"affineVelocity"}, nodesOfMotion, {"wave", "velocity"}),
 	"everything": (
 		everything,
-		pointsAlone | ofMotion | ofContent | ofHeat | ofFreezing | ofWater,
+		pointsAlone | ofMotion | ofContent | ofHeat | ofFreezing | ofWater | ofOpenings,
 		nodesOfMotion | nodesOfHeat | nodesOfWater,
 		{"wave", "velocity", "heat", "heat advection"},
 	),
@@ -416,7 +417,17 @@ costs = {
 	"motion only": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]"},
 	"motion and water": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "water"},
 	"motion with affine transfer": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "transfer"},
-	"everything": {"motion", "cell averages", "deformation record", "ElasticSkeleton[0]", "water", "heat", "freezing", "conduction and pore pressure"},
+	"everything": {
+		"motion",
+		"cell averages",
+		"deformation record",
+		"ElasticSkeleton[0]",
+		"water",
+		"heat",
+		"freezing",
+		"conduction and pore pressure",
+		"thaw strain",
+	},
 }
 
 

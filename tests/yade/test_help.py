@@ -54,7 +54,7 @@ def thawingGround(packed):
 			wrapper.SurfaceTemperature(region="surface", times=[0, 1e5], values=[-1, 20]),
 		],
 	)
-	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 1), temperature=-1.0)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 1), pointsPerCell=4, temperature=-1.0)
 	return mpm
 
 

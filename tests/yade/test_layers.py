@@ -56,7 +56,7 @@ def test_the_surface_of_a_column_without_thaw_front_goes_down_by_thaw_strain_tim
 	talik.layers.fill(
 		mpm, {"ice-rich": dict(polygon=rectangle(0, 0, 0.1, 1), temperature=-1, porosity=0.6, material=Material(thawStrain=0.1))}, lateralRatio=0.5
 	)
-	surface = mpm.field("position")[:, 1] > 0.95
+	surface = mpm.field("position")[:, 1] > 0.94
 	run(mpm, 3.0)
 	settled = -mpm.field("displacement")[surface, 1].mean()
 	print(f"path of the surface {settled:.4f} m, by hand {0.1 * 0.975:.4f} m; loss of volume {1 - mpm.field('volume').sum() / 0.1:.4f} m")

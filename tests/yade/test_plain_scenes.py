@@ -113,8 +113,8 @@ def test_ground_over_permafrost_comes_back_to_its_height_every_summer(h, law):
 		left.append(1e3 * rows(mpm, "displacement", 1)[0])
 		volumes.append(1e3 * (rows(mpm, "volume").sum() / h - start))
 	print(f"h {h} m: heave in winter {np.round(heaves, 1)} mm, left in late summer by the path of the surface {np.round(left, 2)} mm, by volume "
-		f"{np.round(volumes, 2)} mm; due 0, tolerance 3 mm of the path, 1 mm of the volume")
-	assert min(heaves) > 15 and np.abs(left).max() < 3 and np.abs(volumes).max() < 1
+		f"{np.round(volumes, 2)} mm; due 0, tolerance 5 mm of the path, 1 mm of the volume")
+	assert min(heaves) > 15 and np.abs(left).max() < 5 and np.abs(volumes).max() < 1
 
 
 def slope(angle, h, law, thickness, temperature, table, material=None, **settings):

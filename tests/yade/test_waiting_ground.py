@@ -31,7 +31,7 @@ def column(**settings):
 		+ [wrapper.SurfaceTemperature(region="surface", temperature=3)],
 	)
 	mpm = wrapper.MpmEngine(**{**defaults, **settings})
-	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.5, 1), temperature=-1.0)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.5, 1), pointsPerCell=4, temperature=-1.0)
 	O.engines = [mpm]
 	return mpm
 
