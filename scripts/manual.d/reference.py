@@ -93,13 +93,24 @@ def names():
 		yield f"talik.{name}"
 
 
+def _usualFirst(cls):
+	"""Members of a class; of MpmEngine first the attributes that most scenes give, then (None, None), then the others."""
+	own = dict(members(cls))
+	if cls.__name__ != "MpmEngine":
+		return list(own.items())
+	usual = [name for name in talik.settings.usual if name in own]
+	return [*((name, own[name]) for name in usual), (None, None), *((name, member) for name, member in own.items() if name not in usual)]
+
+
 def _classPage(title, text, chosen):
 	lines = [title, "=" * len(title), "", text, ""]
 	for cls in chosen:
 		lines += [cls.__name__, "-" * len(cls.__name__), "", f".. autoclass:: talik.{cls.__name__}", ""]
-		for name, member in members(cls):
+		for name, member in _usualFirst(cls):
 			full = f"talik.{cls.__name__}.{name}"
-			if isinstance(member, property) or type(member).__name__ == "StaticProperty":
+			if name is None:
+				lines += ["   .. rubric:: For experts, and methods", ""]
+			elif isinstance(member, property) or type(member).__name__ == "StaticProperty":
 				lines += [f"   .. autoattribute:: {full}", "      :no-value:", ""]
 			else:
 				lines += [f"   .. automethod:: {full}{helptexts.signature(member)}", ""]

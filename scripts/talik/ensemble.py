@@ -146,12 +146,12 @@ def _work(waiting, jobs, count, told):
 # ---- what they came to -----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Spread:
 	"""One number of several runs.
 
-	>>> talik.ensemble.Spread("path", (1.0, 2.0, 3.0, None), 4).mean
-	2.0"""
+	>>> talik.ensemble.Spread("path", (1.0, 2.0, 3.0, None), 4)
+	path: 2 ± 0.577, deciles 1.2, 2 and 2.8, in 3 of 4 runs"""
 
 	name: str
 	values: tuple  # of the runs that have it; None of the others
@@ -175,6 +175,12 @@ class Spread:
 	def deciles(self):
 		"""(first, fifth, ninth): a tenth, a half and nine tenths of the runs lie below."""
 		return tuple(float(value) for value in np.quantile(self.given, (0.1, 0.5, 0.9)))
+
+	def __repr__(self):
+		if not len(self.given):
+			return f"{self.name}: in none of {self.runs} runs"
+		low, middle, high = self.deciles
+		return f"{self.name}: {self.mean:.3g} ± {self.error:.3g}, deciles {low:.3g}, {middle:.3g} and {high:.3g}, in {len(self.given)} of {self.runs} runs"
 
 	def row(self):
 		"""Of a table in Markdown, see spreadHead."""
@@ -203,6 +209,20 @@ def spread(results, names=None):
 
 def _isNumber(value):
 	return isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value)
+
+
+def confidence(happened, runs, level=0.9):
+	"""(lowest, highest) probability of an event that `happened` in so many of `runs`, between which it lies with a confidence of `level` (Clopper and
+	Pearson 1934).
+
+	>>> [round(float(p), 3) for p in talik.ensemble.confidence(3, 30)]
+	[0.028, 0.239]"""
+	from scipy import stats
+
+	happened = np.asarray(happened, dtype=float)
+	rest = (1 - level) / 2
+	low = np.where(happened > 0, stats.beta.ppf(rest, np.maximum(happened, 1e-9), runs - happened + 1), 0.0)
+	return low, np.where(happened < runs, stats.beta.ppf(1 - rest, happened + 1, np.maximum(runs - happened, 1e-9)), 1.0)
 
 
 @dataclass(frozen=True)
@@ -238,7 +258,9 @@ class Ensemble:
 		lines = [spreadHead, *(each.row() for each in self.spread().values()), ""]
 		if any("band in frozen ground" in summary for summary in self.summaries):
 			bands = self.frozenBands()
-			text = f"Frozen ground breaks through in {len(bands)} of {count} runs ({100 * len(bands) / count:.0f} %)"
+			low, high = confidence(len(bands), count)
+			sure = f"{100 * len(bands) / count:.0f} %, with 90 % confidence {100 * low:.0f} to {100 * high:.0f} %"
+			text = f"Frozen ground breaks through in {len(bands)} of {count} runs ({sure})"
 			if bands:
 				tops = [summary["band in frozen ground.top"] for summary in self.summaries if _isNumber(summary.get(_frozenBand))]
 				text += f", along bands of {', '.join(f'{angle:.0f}' for angle in sorted(bands))}° that begin {min(tops):.2f} to {max(tops):.2f} m below the surface"
@@ -300,12 +322,13 @@ def drawPaths(histories, label="largest displacement [m]"):
 	return fig
 
 
-def shares(frames):
+def shares(frames, happened=None):
 	"""(place, side, {name: share}) of ground as it lay before it moved: in how many of the runs, 0 to 1, it has slid by 0.1 m ("has slid"), a tenth of
 	its bonds has broken ("bonds broken"), and it has failed while frozen, to a strain of 0.2 ("failed frozen").
 
-	frames  fields of the last state of each run, as talik.output.Frames keeps them
-	place   (n, 2) middles of cells [m], side their width [m]
+	frames    fields of the last state of each run, as talik.output.Frames keeps them
+	happened  function of a frame that gives {name: booleans (n,)}, in place of these three
+	place     (n, 2) middles of cells [m], side their width [m]
 
 	>>> still = dict(position=np.zeros((1, 2)), displacement=np.zeros((1, 2)), volume=np.ones(1), deviatoricStrain=np.zeros(1), iceSaturation=np.ones(1))
 	>>> talik.ensemble.shares([still])[2]["has slid"]
@@ -321,8 +344,8 @@ def shares(frames):
 		distance, nearest = cKDTree(start).query(place)
 		there = distance < side
 		seen += there
-		for name, happened in _happened(frame).items():
-			sums[name] = sums.get(name, 0) + np.where(there, happened[nearest], 0)
+		for name, so in (happened or _happened)(frame).items():
+			sums[name] = sums.get(name, 0) + np.where(there, so[nearest], 0)
 	return place, side, {name: values / np.maximum(seen, 1) for name, values in sums.items()}
 
 

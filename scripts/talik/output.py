@@ -21,12 +21,13 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import VTK_LINE, VTK_TRIANGLE, VTK_VERTEX, vtkCellArray, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
-from talik import ranks
+from talik import dates, ranks
 from talik.files import writableFolder, writeWhole
 from talik.resampling import SpaceRaster, groundOf, surfaceLevel
 
 surfaceNodes = 1.5  # of the raster of a surface for ParaView along the side of a point: as smooth as the fields are, in a small file
 tensorComponents = {3: ("xx", "yy", "xy"), 4: ("xx", "yy", "zz", "xy"), 6: ("xx", "yy", "zz", "yz", "xz", "xy")}  # of stress and strain
+matrixComponents = {4: ("xx", "xy", "yx", "yy"), 9: tuple(a + b for a in "xyz" for b in "xyz")}  # of gradients
 _callbacks = []
 
 
@@ -54,6 +55,46 @@ def allFields(mpm):
 	>>> talik.output.allFields(mpm)["temperature"].shape
 	(16,)"""
 	return {name: np.array(mpm.field(name)) for name in mpm.fieldNames()}
+
+
+def columns(name, values):
+	"""{name with component: array (n,)} of a field (n,) or (n, components): "stress xy", "displacement x".
+
+	>>> list(talik.output.columns("displacement", np.zeros((3, 2))))
+	['displacement x', 'displacement y']"""
+	values = np.asarray(values)
+	if values.ndim == 1:
+		return {name: values}
+	count = values.shape[1]
+	gradient = name.lower().endswith("gradient") and count in matrixComponents
+	parts = "xyz"[:count] if count in (2, 3) and not _isTensor(name) else matrixComponents[count] if gradient else tensorComponents.get(count, range(count))
+	return {f"{name} {part}": values[:, k] for k, part in enumerate(parts)}
+
+
+def _isTensor(name):
+	return any(word in name.lower() for word in ("stress", "strain"))
+
+
+def table(mpm, fields=None):
+	"""All points of a ground as a table with flat names, "position x", "stress xy", in the order of their ids: a DataFrame where pandas is installed (Debian:
+	python3-pandas), else a dictionary of arrays (n,), which pandas.DataFrame takes.
+
+	fields  names of mpm.fieldNames(); default: all
+
+	>>> points = talik.output.table(mpm, ["position", "temperature"])
+	>>> list(points)
+	['position x', 'position y', 'temperature']"""
+	unknown = [name for name in fields or () if name not in mpm.fieldNames()]
+	if unknown:
+		raise ValueError(f"table: there is no field '{unknown[0]}'; choose among {', '.join(mpm.fieldNames())}")
+	found = {}
+	for name in fields or mpm.fieldNames():
+		found.update(columns(name, mpm.field(name)))
+	try:
+		from pandas import DataFrame
+	except ImportError:
+		return found
+	return DataFrame(found)
 
 
 # --- ParaView --------------------------------------------------------------------------------------------------------------
@@ -199,7 +240,7 @@ def _vtkArray(name, values, count):
 		values = _padded(values).astype(values.dtype if values.dtype == np.float32 else float)
 	array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
 	array.SetName(name)
-	if values.ndim == 2 and any(word in name.lower() for word in ("stress", "strain")):
+	if values.ndim == 2 and _isTensor(name):
 		for component, label in enumerate(tensorComponents.get(values.shape[1], ())):
 			array.SetComponentName(component, label)
 	return array
@@ -406,8 +447,35 @@ def loadFrames(path):
 # --- points over time --------------------------------------------------------------------------------------------------------
 
 
-class PointTable:
-	"""Fields at chosen points over the days of the calendar, as a CSV file that any spreadsheet reads.
+class _Table:
+	"""A CSV file that grows with the days of the calendar. It begins with the date, where the scene has one for its day 0, see talik.dates."""
+
+	def __init__(self, mpm, path, everyDays, headings):
+		if not everyDays > 0:
+			raise ValueError(f"{type(self).__name__}: everyDays is {everyDays!r}; give a number of days above 0")
+		self.mpm, self.path, self.everyDays = mpm, Path(path), everyDays
+		self.next, self.first = -math.inf, dates.started()
+		self.engine = runner(self._takeWhenDue, iterPeriod=1)
+		if ranks.first:
+			writableFolder(self.path.parent)
+			self.path.write_text(",".join(["date"] * (self.first is not None) + ["day [d]", *headings]) + "\n")
+
+	def _write(self, rows):
+		day = self.mpm.calendar["day"]
+		begin = [] if self.first is None else [dates.dateOf(day, self.first)]
+		if ranks.first:
+			with open(self.path, "a") as file:
+				file.writelines(",".join([*begin, *(f"{value:.9g}" for value in (day, *row))]) + "\n" for row in rows)
+
+	def _takeWhenDue(self):
+		day = self.mpm.calendar["day"]
+		if day >= self.next:
+			self.take()
+			self.next = self.everyDays * (math.floor(day / self.everyDays) + 1)
+
+
+class PointTable(_Table):
+	"""Fields at chosen points over the days of the calendar, as a CSV file that any spreadsheet reads. With talik.dates.start its first column has dates.
 
 	mpm        the ground, filled with points
 	path       of the file; a line is added whenever its time has come
@@ -425,47 +493,68 @@ class PointTable:
 	day [d],crest: temperature [degC]"""
 
 	def __init__(self, mpm, path, places, fields, everyDays, others=None):
-		if not everyDays > 0:
-			raise ValueError(f"PointTable: everyDays is {everyDays!r}; give a number of days above 0")
 		if isinstance(fields, str):
 			raise ValueError(f"PointTable: fields is {fields!r}; give a list of names, such as [{fields!r}]")
 		unknown = [field for field in fields if field not in mpm.fieldNames()]
 		if unknown:
 			raise ValueError(f"PointTable: there is no field '{unknown[0]}'; choose among {', '.join(mpm.fieldNames())}")
-		self.mpm, self.path, self.fields, self.everyDays = mpm, Path(path), tuple(fields), everyDays
+		self.mpm, self.fields = mpm, tuple(fields)
 		self.ids = {name: mpm.pick(*place) for name, place in places.items()}
 		self.others = dict(others or {})
-		self.next = -math.inf
-		self.engine = runner(self._takeWhenDue, iterPeriod=1)
-		if ranks.first:
-			writableFolder(self.path.parent)
-			self.path.write_text(",".join(["day [d]", *self._headings(), *self.others]) + "\n")
+		super().__init__(mpm, path, everyDays, [*self._headings(), *self.others])
 
 	def take(self):
 		"""Adds a line with the present values."""
-		values = [self.mpm.calendar["day"]]
-		columns = {field: self.mpm.field(field) for field in self.fields}
-		for id in self.ids.values():
-			for field in self.fields:
-				values += np.atleast_1d(columns[field][id]).tolist()
-		values += [float(other()) for other in self.others.values()]
-		if ranks.first:
-			with open(self.path, "a") as file:
-				file.write(",".join(f"{value:.9g}" for value in values) + "\n")
-
-	def _takeWhenDue(self):
-		day = self.mpm.calendar["day"]
-		if day >= self.next:
-			self.take()
-			self.next = self.everyDays * (math.floor(day / self.everyDays) + 1)
+		fields = {field: self.mpm.field(field) for field in self.fields}
+		values = [value for id in self.ids.values() for field in self.fields for value in np.atleast_1d(fields[field][id]).tolist()]
+		self._write([values + [float(other()) for other in self.others.values()]])
 
 	def _headings(self):
 		units = {field["name"]: field["unit"] for field in self.mpm.fields()}
 		for name in self.ids:
 			for field in self.fields:
-				components = np.atleast_1d(self.mpm.field(field)[0]).size
-				for part in {1: ("",), 2: (" x", " y"), 3: (" x", " y", " z")}.get(components) or [" " + one for one in tensorComponents[components]]:
-					yield f"{name}: {field}{part} [{units.get(field, '-')}]"
+				for column in columns(field, self.mpm.field(field)[:1]):
+					yield f"{name}: {column} [{units.get(field, '-')}]"
+
+
+class SurfaceTable(_Table):
+	"""Settlement and thaw depth along the surface over the days of the calendar, as a CSV file with a line for each column of points and time.
+
+	mpm        the ground in the plane, filled with points
+	path       of the file
+	everyDays  time between two sets of lines [d of the calendar], above 0
+
+	x [m] and settlement [m] are those of the point that is uppermost in its column at the start: settlement is its way down, negative where it heaves. thaw
+	depth [m] is talik.thermal.thawDepth there, nan where the column has thawed through or there is no heat. Its engine stands behind the ground in O.engines.
+
+	>>> table = talik.output.SurfaceTable(mpm, folder + "/surface.csv", everyDays=1)
+	>>> O.engines = O.engines + [table.engine]
+	>>> table.take()
+	>>> print(open(folder + "/surface.csv").readline().strip())
+	day [d],x [m],settlement [m],thaw depth [m]"""
+
+	def __init__(self, mpm, path, everyDays):
+		position = mpm.field("position")
+		if position.shape[1] != 2:
+			raise ValueError("SurfaceTable: the ground is in space; give ground in the plane, or take talik.output.table(mpm)")
+		side = math.sqrt(np.median(mpm.field("volume")))
+		column = np.floor((position[:, 0] - position[:, 0].min()) / side + 0.5).astype(int)
+		order = np.lexsort((position[:, 1], column))
+		self.ids = order[np.append(np.diff(column[order]) > 0, True)]  # the highest of each column
+		self.before = mpm.field("displacement")[self.ids, 1]
+		super().__init__(mpm, path, everyDays, ["x [m]", "settlement [m]", "thaw depth [m]"])
+
+	def take(self):
+		"""Adds the lines of the present state."""
+		x = self.mpm.field("position")[self.ids, 0]
+		settled = self.before - self.mpm.field("displacement")[self.ids, 1]
+		depth = np.full(len(x), np.nan)
+		if self.mpm.heat is not None:
+			from talik import thermal
+
+			columns = thermal.thawDepth(self.mpm)
+			depth = columns["depth"][np.abs(x[:, None] - columns["place"]).argmin(axis=1)]
+		self._write(zip(x, settled, depth))
 
 
 # --- summary ---------------------------------------------------------------------------------------------------------------

@@ -43,9 +43,10 @@ slopeFields = {
 	"velocity": ("speed $|v|$ [m/s]", "viridis", (0.0, None)),
 	"temperature": ("temperature [°C]", "coolwarm", (None, None)),
 	"pressure": ("pore pressure [Pa]", "PuOr_r", (None, None)),
+	"settlement": ("settlement [m]", "RdBu_r", (None, None)),
 }
 rising = ("deviatoricStrain",)  # fields whose bands widen with their values, 1 : 2 : 5
-symmetric = ("temperature",)  # fields whose colours are centred on 0
+symmetric = ("temperature", "settlement")  # fields whose colours are centred on 0
 
 
 def figure(width, height):
@@ -108,10 +109,18 @@ def bandsOf(field, values, label=None, colourMap=None, levels=None, limits=(None
 	if levels is None:
 		levels = _levels(first, last, field in rising and first == 0, field in symmetric and given == [None, None])
 	levels = np.asarray(levels, dtype=float)
+	chosen = colourMap or usual[1]
+	if field in symmetric and colourMap is None and (levels[0] >= 0 or levels[-1] <= 0):
+		chosen = _half(chosen, levels[0] >= 0)
 	slack = 1e-6 * (levels[-1] - levels[0])
 	ends = low < levels[0] - slack, high > levels[-1] + slack
 	extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}[ends]
-	return Bands(label or usual[0], levels, colourMap or usual[1], extend)
+	return Bands(label or usual[0], levels, chosen, extend)
+
+
+def _half(name, upper):
+	"""Colours of the values on one side of 0."""
+	return LinearSegmentedColormap.from_list(name, colormaps[name](np.linspace(0.5, 1, 128) if upper else np.linspace(0, 0.5, 128)))
 
 
 def _levels(low, high, widening=False, centred=False):
@@ -129,12 +138,12 @@ def _levels(low, high, widening=False, centred=False):
 	return ticks[(ticks > low - spacing * (1 - 1e-6)) & (ticks < high + spacing * (1 - 1e-6))]
 
 
-def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arrows=None, watched=None, surface=None, **colours):
+def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arrows=None, watched=None, surface=None, isotherms=(), layers=None, **colours):
 	"""Ground in the plane as it is seen: a field in contour bands, the outline of the ground, the thaw front, and where the ground was at the start.
 
 	frame    {"position": (n, 2) [m], "volume": (n,) [m2], field: (n,) or (n, 2), ...}, as talik.output.allFields(mpm) and Frames have it
 	field    name of a field of the frame, vectors by their length, or values (n,); whole numbers (n,) are kinds of ground: each place is of the kind of
-			 most of its points
+			 most of its points. "settlement" is the way down of the points, negative where they heaved
 	bands    of bandsOf, where several pictures share their colours; else made with **colours: label, colourMap, levels, limits as there
 	bar      a colour bar beside the axes
 	front    crimson line where the ice saturation of the frame is 1/2
@@ -143,12 +152,14 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 			 bands if they show it
 	watched  {letter: (x, y)} marked points
 	surface  talik.resampling.Resampled of the frame, where it was made already
+	isotherms  temperatures [degC] whose lines are drawn with their labels
+	layers   number (n,) of the layer of each point, such as mpm.materialOf: borders between layers are drawn
 
 	The field is resampled from the points, each a kernel of its area stretched at most 1 : 2 as its "deformationGradient" says; ground is drawn over
 	the area of its points within 1 % (talik.resampling). slopeField draws the points themselves. Returns the axes.
 
 	>>> drawn = talik.plots.ground(axes, talik.output.allFields(mpm), "temperature", arrows="displacement")"""
-	values = frame[field] if isinstance(field, str) else field
+	values = -frame["displacement"][:, -1] if isinstance(field, str) and field == "settlement" else frame[field] if isinstance(field, str) else field
 	surface = surface or surfaceOf(frame)
 	bands = bands or bandsOf(field if isinstance(field, str) else "", values, **colours)
 	area = Path(*surface.polygons())
@@ -156,6 +167,11 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 	for line in surface.outline():
 		axes.plot(*line.T, color="0.15", linewidth=0.9, solid_joinstyle="round")
 	seen = [surface]
+	for number in np.unique(layers)[1:] if layers is not None else ():
+		border = surface((np.asarray(layers) >= number).astype(float))
+		_clip(axes, axes.contour(surface.x, surface.y, np.ma.masked_invalid(border), levels=[0.5], colors="0.25", linewidths=0.8, linestyles=":"), area)
+	if len(isotherms):
+		isolines(axes, frame["position"], frame["temperature"], frame["volume"], isotherms, unit=" °C", linewidths=0.7)
 	if front and "iceSaturation" in frame:
 		frontLine(axes, surface.x, surface.y, surface(frame["iceSaturation"]), surface.ground, area)
 	if start and "displacement" in frame:

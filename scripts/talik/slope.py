@@ -5,13 +5,16 @@ A slope at rest carries a different stress at every depth. Its samples are there
 bands while they are still frictional; they are frozen afterwards, by the first step, so that bonds and ice start free of stress.
 """
 
-import math
-
 import numpy as np
 
 from talik import layers as groundLayers
 from talik import rve
+<<<<<<< HEAD
 from talik.geometry import Solid, rectangle, surfaceHeight
+=======
+from talik.safety import bishop, factorOfSafety, infiniteSlope  # noqa: F401: where users look for them
+from talik.geometry import Solid, surfaceHeight
+>>>>>>> 36ccd8a (Engineer: factor of safety by reduced strength and by circles, forecasts with random fields and inversion, dates, tables of points and surface, named settings)
 from yade import wrapper
 
 
@@ -97,6 +100,7 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 		law.sampleOf = sampleOf.tolist()
 
 
+<<<<<<< HEAD
 def infiniteColumn(mpm, angle, layers, waterDepth=math.inf, lateralRatio=1.0, pointsPerCell=None, cells=1):
 	"""Makes an MpmEngine in the plane a column of a slope without end, in balance at the start; returns {name: ids of the points (n,)}.
 
@@ -193,6 +197,8 @@ def infiniteSlope(angle, depth, frictionAngle, cohesion=0.0, unitWeight=19e3, wa
 	return (cohesion + (normal - pressure) * math.tan(friction)) / (unitWeight * depth * math.sin(slope) * math.cos(slope))
 
 
+=======
+>>>>>>> 36ccd8a (Engineer: factor of safety by reduced strength and by circles, forecasts with random fields and inversion, dates, tables of points and surface, named settings)
 def _hasSamples(law):
 	return isinstance(law, wrapper.RveSkeleton) and len(law.samples) + len(law.scenes) > 0
 

@@ -15,6 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
+from talik import dates
+
 
 def read(path, columns):
 	"""Rows of a CSV file as a list of lists of numbers, one for each of the columns.
@@ -137,10 +139,21 @@ def _isNumber(cell):
 	return True
 
 
+def _seconds(path, line, cell):
+	"""Calendar time of a date, as a text; what is no date stays."""
+	if not cell.strip()[:4].isdigit():
+		return cell
+	try:
+		return repr(dates.secondsPerDay * dates.dayOf(cell))
+	except ValueError as problem:
+		raise ValueError(f"{path}, line {line}: {problem}") from None
+
+
 def _numbers(path, line, cells, columns):
 	if len(cells) < len(columns):
 		found = "1 column" if len(cells) == 1 else f"{len(cells)} columns"
 		raise ValueError(f"{path}, line {line}: {found} instead of {', '.join(columns)}, separated by a comma")
+	cells = [_seconds(path, line, cell) if name == "time" and not _isNumber(cell) else cell for cell, name in zip(cells, columns)]
 	for cell, name in zip(cells, columns):
 		if not _isNumber(cell) or not math.isfinite(float(cell)):
 			raise ValueError(f"{path}, line {line}: {name} '{cell.strip()}' is not a number; give it or remove the line")

@@ -22,8 +22,8 @@ coldest, warmest = -100.0, 100.0  # what SurfaceTemperature accepts [degC]
 def airTemperature(path, start=0.0):
 	"""Times [s] and air temperatures [degC] of a CSV file, for the attributes times and values of a thermal boundary.
 
-	path   file with the columns time [s], increasing, and air temperature [degC]; further columns are passed over, as are
-		   empty lines, lines that begin with #, and one line of headings
+	path   file with the columns time [s], increasing, and air temperature [degC]; in place of times dates (2024-05-15T12:00) of a scene with
+		   talik.dates.start. Further columns are passed over, as are empty lines, lines that begin with #, and one line of headings
 	start  time of the series [s] at which the run begins
 
 	ValueError names file, line and fault.

@@ -84,7 +84,7 @@ def test_an_ensemble_goes_on_where_it_was_stopped_adds_members_and_tells_where_a
 	assert [summary["offset"] for summary in three.summaries] == [0, 0.5, 0.25]
 	path = three.spread()["path [m]"]
 	assert path.mean == pytest.approx(1.1) and path.error == pytest.approx(0.1 / math.sqrt(3))
-	assert "breaks through in 2 of 3 runs (67 %), along bands of 60, 60°" in three.report()
+	assert "breaks through in 2 of 3 runs (67 %, with 90 % confidence 14 to 98 %), along bands of 60, 60°" in three.report()
 	runs, seconds = three.cost(jobs=3)
 	assert runs == 9 and seconds == pytest.approx(3 * np.mean([json.loads(f.read_text())["seconds"] for f in folder.glob("*/finished.json")]))
 	assert [Path(picture).name for picture in three.draw()] == ["paths.png", "map.png"]

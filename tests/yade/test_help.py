@@ -86,6 +86,7 @@ def names(sample, tmp_path, sampleCache, monkeypatch):
 	frozen.freeze(1)
 	mpm, elastic = thawingGround(packed), compressedGround()
 	elastic.initialise()
+	O.reset()
 	O.engines = [mpm]
 	talik._talik.runSerially(3)
 	return dict(

@@ -130,7 +130,7 @@ namespace {
 		}
 		if (tensile > 0)
 			doubts.add(
-			        true, "addPoints: stress of ", tensile, " points is tensile, up to ", tension,
+			        2 * tensile > int(points.size()), "addPoints: stress of ", tensile, " points is tensile, up to ", tension,
 			        " Pa: was compression meant? Compression is negative.");
 		if (mpm.motion && stress > 0 && stress < 500)
 			doubts.add(false, "addPoints: stress is ", stress, " Pa at most: was ", stress * 1e3, " Pa (kPa) meant?");
