@@ -22,7 +22,7 @@ from yade import O, wrapper
 
 strengths = ("cohesion", "cohesionFrozen", "tensileStrength", "tensileStrengthFrozen", "cohesions", "tensileStrengths")
 moduli = ("young", "youngFrozen", "youngs")
-mechanical = ("FixedBoundary", "RollerBoundary", "SurfaceLoad")
+mechanical = ("FixedBoundary", "RollerBoundary", "PeriodicBoundary", "SurfaceLoad")
 notTaken = (
 	"skeleton",
 	"skeletons",
@@ -117,8 +117,8 @@ def factorOfSafety(mpm, accuracy=0.01, skeleton=None, between=(0.25, 4.0), told=
 	dilation. It stands if it comes to rest: if its motion (root mean square, in the time that 7 waves take from base to crest) falls to 0.5 % of
 	rho g H^2/E, or to a twentieth of the largest. It fails if it does not within 140 waves, or moves by half a cell. Temperature, ice and pore
 	pressure stay as they are meanwhile: pressure that shear would make or spend is left out. Ice is that of the temperature. Laws without strength
-	(ElasticSkeleton) stay. Moduli do not matter, and are raised where pore pressure is high beside them. A SurfaceLoad stays; ground that touches bodies or
-	has a MovingBoundary is refused.
+	(ElasticSkeleton) stay. Moduli do not matter, and are raised where they are low beside weight and pore pressure. A SurfaceLoad stays; ground that
+	touches bodies or has a MovingBoundary is refused.
 
 	Needs ten cells over the height of what slides. The slope of Griffiths and Lane (1999, example 1, F = 1.4) has 1.41 with ten cells.
 
@@ -214,11 +214,11 @@ def _ground(state, laws, factor):
 		ground.heat = copy.deepcopy(state.heat)
 		ground.heat.thermalTimeScale, ground.heat.movingTimeScale, ground.heat.followsMotion = 1, 1, False
 		fields["temperature"] = state.field("temperature")
-	stiffer = 1.0
+	least = softness * _weight(state) * _height(state) ** 2 / state.gridSpacing  # by its weight alone ground moves by a hundredth of a cell
 	if state.water is not None:
 		fields["pressure"] = state.field("pressure")
 		bulk = softness * max(1.0, float(fields["pressure"].max()))
-		stiffer = max(1.0, softness * bulk / min(law.young for law in laws))
+		least = max(least, softness * bulk)
 		ground.water = copy.deepcopy(state.water)
 		ground.water.pressure, ground.water.massCoefficient, ground.water.bulkModulus, ground.water.iceBulkModulus = "explicit", "printed", bulk, bulk
 		ground.water.hydraulicTimeScale = 1e-11
@@ -228,11 +228,21 @@ def _ground(state, laws, factor):
 	else:
 		fields["porosity"] = 1 - state.field("mass") / (fields["volume"] * _solidDensity(state))
 		fields["poreFill"] = 0.0
+	stiffer = max(1.0, least / min(law.young for law in laws))
 	ground.skeletons = [_over(law, factor, stiffer) for law in laws]
 	ground.addPoints(skeleton=state.skeletonOf, material=state.materialOf, **fields)
 	ground.initialise()
 	ground.setDay(state.calendar["day"])
 	return ground
+
+
+def _weight(state):
+	"""Mean unit weight [N/m3]."""
+	return -tuple(state.gravity)[-1] * float(state.field("mass").sum() / state.field("volume").sum())
+
+
+def _height(state):
+	return float(np.ptp(state.field("position")[:, -1])) + state.gridSpacing
 
 
 def _solidDensity(state):
@@ -267,11 +277,9 @@ def _run(ground, factor):
 	"""Lets a ground move until it rests or has failed."""
 	O.engines = [ground]
 	volume, h = ground.field("volume"), ground.gridSpacing
-	height = float(np.ptp(ground.field("position")[:, -1])) + h
-	density = float(ground.field("mass").sum() / volume.sum())
-	wave = height / math.sqrt(min(law.young for law in ground.skeletons if isinstance(law, wrapper.MohrCoulombSkeleton)) / density)
-	steps = math.ceil(wavesOfWindow * wave / ground.stableTimeStep())
-	floor = still * -tuple(ground.gravity)[-1] * wave**2
+	settled = _weight(ground) * _height(ground) ** 2 / min(law.young for law in ground.skeletons if isinstance(law, wrapper.MohrCoulombSkeleton))
+	steps = math.ceil(wavesOfWindow * math.sqrt(settled / -tuple(ground.gravity)[-1]) / ground.stableTimeStep())  # a wave takes H sqrt(rho/E)
+	floor = still * settled
 	motion, before = [], ground.field("displacement")
 	for _ in range(windows):
 		talik.runSerially(steps)

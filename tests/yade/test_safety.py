@@ -27,7 +27,7 @@ def bank(slope, h, perCell=4, ru=None):
 	mpm = wrapper.MpmEngine(
 		gridSpacing=h,
 		lower=lower.tolist(),
-		upper=(upper[0] + (0 if closed else 2 * h), lower[1] + h * math.ceil((upper[1] - lower[1]) / h + 2)),
+		upper=(float(upper[0]) + (0 if closed else 2 * h), float(lower[1]) + h * math.ceil((upper[1] - lower[1]) / h + 2)),
 		gravity=(0, -9.81),
 		material=wrapper.GroundMaterial(solidDensity=grains),
 		skeleton=wrapper.MohrCoulombSkeleton(young=1e7, cohesion=c, frictionAngle=phi, tensileStrength=cone),
