@@ -5,16 +5,14 @@ A slope at rest carries a different stress at every depth. Its samples are there
 bands while they are still frictional; they are frozen afterwards, by the first step, so that bonds and ice start free of stress.
 """
 
+import math
+
 import numpy as np
 
 from talik import layers as groundLayers
 from talik import rve
-<<<<<<< HEAD
 from talik.geometry import Solid, rectangle, surfaceHeight
-=======
 from talik.safety import bishop, factorOfSafety, infiniteSlope  # noqa: F401: where users look for them
-from talik.geometry import Solid, surfaceHeight
->>>>>>> 36ccd8a (Engineer: factor of safety by reduced strength and by circles, forecasts with random fields and inversion, dates, tables of points and surface, named settings)
 from yade import wrapper
 
 
@@ -100,7 +98,6 @@ def settle(mpm, polygon, bandThickness=None, lateralRatio=0.7, load=0.0):
 		law.sampleOf = sampleOf.tolist()
 
 
-<<<<<<< HEAD
 def infiniteColumn(mpm, angle, layers, waterDepth=math.inf, lateralRatio=1.0, pointsPerCell=None, cells=1):
 	"""Makes an MpmEngine in the plane a column of a slope without end, in balance at the start; returns {name: ids of the points (n,)}.
 
@@ -163,42 +160,6 @@ def _thicknessOf(name, layer):
 	return thickness
 
 
-def infiniteSlope(angle, depth, frictionAngle, cohesion=0.0, unitWeight=19e3, waterDepth=math.inf, waterWeight=9810.0):
-	"""Factor of safety of an infinite slope against sliding along a plane parallel to its surface [-], for comparison with a run.
-
-	angle          of the slope [degrees], above 0, below 90
-	depth          of the sliding plane below the surface, vertical [m], above 0: the thaw depth, where thawed ground slides on frozen ground
-	frictionAngle  effective, of what slides [degrees], 0 to below 90
-	cohesion       effective [Pa], 0 or more
-	unitWeight     of the ground, water included [N/m3]
-	waterDepth     vertical depth of the water table [m], 0 (at the surface) or more; water below it seeps parallel to the slope
-	waterWeight    of water [N/m3]
-
-	F = [c + (gamma z cos^2 beta - u) tan phi]/(gamma z sin beta cos beta), u = gamma_w (z - z_w) cos^2 beta below the water table (Skempton and DeLory
-	1957). Excess pressure of thawing ground is not in it: add it by a smaller waterDepth.
-
-	>>> round(talik.slope.infiniteSlope(angle=20, depth=1, frictionAngle=30), 3)
-	1.586
-	>>> round(talik.slope.infiniteSlope(angle=20, depth=1, frictionAngle=30, waterDepth=0), 3)
-	0.767"""
-	for name, value, valid, remedy in (
-		("angle", angle, 0 < angle < 90, "degrees above 0 and below 90"),
-		("depth", depth, depth > 0, "a depth in m above 0"),
-		("frictionAngle", frictionAngle, 0 <= frictionAngle < 90, "degrees from 0 to below 90"),
-		("cohesion", cohesion, cohesion >= 0, "a stress in Pa, 0 or more"),
-		("unitWeight", unitWeight, unitWeight > 0, "a weight in N/m3 above 0"),
-		("waterDepth", waterDepth, waterDepth >= 0, "a depth in m, 0 or more"),
-	):
-		if not valid:
-			raise ValueError(f"infiniteSlope: {name} is {value!r}; give {remedy}")
-	slope, friction = math.radians(angle), math.radians(frictionAngle)
-	pressure = waterWeight * max(0.0, depth - waterDepth) * math.cos(slope) ** 2
-	normal = unitWeight * depth * math.cos(slope) ** 2
-	return (cohesion + (normal - pressure) * math.tan(friction)) / (unitWeight * depth * math.sin(slope) * math.cos(slope))
-
-
-=======
->>>>>>> 36ccd8a (Engineer: factor of safety by reduced strength and by circles, forecasts with random fields and inversion, dates, tables of points and surface, named settings)
 def _hasSamples(law):
 	return isinstance(law, wrapper.RveSkeleton) and len(law.samples) + len(law.scenes) > 0
 
