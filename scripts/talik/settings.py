@@ -10,6 +10,7 @@ Each call makes effects of its own, whose attributes may be changed: mpm.water.c
 
 from yade import wrapper
 
+scale = 1e6  # calendar time in each second of motion, where the calendar does not follow the motion
 usual = (
 	"gridSpacing",
 	"lower",
@@ -41,7 +42,7 @@ def settlement(**changes):
 
 	>>> sorted(talik.settings.settlement(damping=0.5))
 	['damping', 'freezing', 'gravity', 'heat', 'thawFront']"""
-	return _with(changes, damping=0.3, thawFront=None, heat=wrapper.HeatTransfer(thermalTimeScale=1e6))
+	return _with(changes, damping=0.3, thawFront=None, heat=wrapper.HeatTransfer(thermalTimeScale=scale))
 
 
 def heave(**changes):
@@ -49,11 +50,12 @@ def heave(**changes):
 
 	segregation             computed from conductivity, freezing curve and load. A measured potential: IceSegregation(segregationPotential=1e-9)
 	water, -50 kPa          suction lifts water to the front, so that pressure may fall below 0 (PoreWater.cavitationPressure)
+	hydraulicTimeScale 1e6  seepage keeps its ratio to freezing
 	damping 0.3, thawFront None, thermalTimeScale 1e6    as for settlement: nothing slides
 
 	>>> talik.settings.heave()["water"].cavitationPressure
 	-50000.0"""
-	water = wrapper.PoreWater(cavitationPressure=-5e4)
+	water = wrapper.PoreWater(cavitationPressure=-5e4, hydraulicTimeScale=scale)
 	return {**settlement(), **_with({"water": water, "segregation": wrapper.IceSegregation(), **changes})}
 
 
@@ -61,13 +63,15 @@ def slope(**changes):
 	"""A slope whose state is wanted while it stands, such as its factor of safety.
 
 	damping 0.3             the ground comes to rest
-	thermalTimeScale 1e6    constant: the ground does not run away while it stands
+	thermalTimeScale 1e6    constant: a day in 0.09 s of motion
+	hydraulicTimeScale 1e6  seepage keeps its ratio to thaw
 	water, implicit         pore pressure of real water, which does not alternate from cell to cell
 	thawFront               stays: a thawed layer may slide on frozen ground even if it is thinner than a cell
 
 	>>> talik.settings.slope()["water"].pressure
 	'implicit'"""
-	return _with(changes, damping=0.3, heat=wrapper.HeatTransfer(thermalTimeScale=1e6), water=wrapper.PoreWater(pressure="implicit"))
+	water = wrapper.PoreWater(pressure="implicit", hydraulicTimeScale=scale)
+	return _with(changes, damping=0.3, heat=wrapper.HeatTransfer(thermalTimeScale=scale), water=water)
 
 
 def slump(**changes):

@@ -298,3 +298,18 @@ def test_sample_forces_draw_normal_forces_of_sample_arrays():
 def test_a_folder_that_cannot_be_written_is_named():
 	with pytest.raises(RuntimeError, match="/proc/nowhere"):
 		plots.save(plots.figure(1, 1), "/proc/nowhere/picture.png")
+
+
+def test_ground_shows_settlement_about_zero_with_borders_of_layers_and_labelled_isotherms():
+	x, y = np.meshgrid(np.arange(0.25, 10, 0.5), np.arange(0.25, 4, 0.5))
+	position = np.column_stack([x.ravel(), y.ravel()])
+	down = np.where(position[:, 0] < 5, 0.3, -0.1)
+	frame = dict(position=position, volume=np.full(len(position), 0.25), displacement=np.column_stack([0 * down, -down]), temperature=position[:, 1] - 2)
+	axes = plots.figure(6, 4).subplots()
+	plots.ground(axes, frame, "settlement", layers=(position[:, 1] > 2).astype(int), isotherms=(-1, 0, 1, 50))
+	levels = plots.bandsOf("settlement", down).levels
+	sides = [plots.bandsOf("settlement", sign * abs(down)).map(end)[:3] for sign, end in ((1, 0.0), (-1, 1.0))]
+	written = [text.get_text() for text in axes.texts]
+	print(f"levels {levels}, isotherms {written}, colours of no settlement {np.round(sides, 2).tolist()}")
+	assert levels[0] == -levels[-1] and sorted(written) == ["-1 °C", "0 °C", "1 °C"]
+	assert all(min(colour) > 0.9 for colour in sides)  # white: no settlement, on ground that only settles and on ground that only heaves

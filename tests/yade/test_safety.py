@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Factors of safety of published slopes: by reduced strength, by Bishop's circles, by the infinite slope."""
+"""Factors of safety of published slopes: by reduced strength, by Bishop's circles, by the infinite slope; and of columns of one."""
 
 import math
 
@@ -123,3 +123,25 @@ def test_the_infinite_slope_counts_pore_pressure_ratio_and_excess_pressure_as_by
 	assert excess == pytest.approx(8e3 * depth / (1 + 1 / (2 * 0.49)), rel=1e-12)
 	with pytest.raises(ValueError, match="ru is -0.1; give a ratio"):
 		talik.slope.infiniteSlope(angle, depth, phi, ru=-0.1)
+
+
+@pytest.mark.parametrize("waterDepth, excess", [(math.inf, 0.0), (0.0, 0.0), (0.0, 4e3)])
+def test_a_column_of_an_infinite_slope_has_the_factor_of_its_closed_form(waterDepth, excess):
+	"""Two metres of thawed ground, with seepage along the slope and excess pressure that grows with depth."""
+	angle, phi, c, thickness, h = 20.0, 30.0, 4e3, 2.0, 0.25
+	wet = waterDepth == 0
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h,
+		skeleton=wrapper.MohrCoulombSkeleton(young=2e7, frictionAngle=phi, cohesion=c, tensileStrength=c / math.tan(math.radians(phi))),
+		poreFill=math.nan if wet else 0,
+		**(dict(water=wrapper.PoreWater(conductivity=1e-9)) if wet else {}),
+	)
+	layer = dict(thickness=thickness, porosity=0.4)
+	across = math.cos(math.radians(angle))
+	if wet and excess:
+		layer["pressure"] = lambda x, y: (9810 * across + excess * across / thickness) * (thickness - y)
+	talik.slope.infiniteColumn(mpm, angle, {"silt": layer}, **({} if excess else dict(waterDepth=waterDepth)))
+	weight = (0.6 * 2650 + 0.4 * 1000 * wet) * 9.81
+	reference = talik.slope.infiniteSlope(angle, thickness / across, phi, c, weight, waterDepth, excessPressure=excess / across)
+	found = talik.slope.factorOfSafety(mpm, accuracy=0.02)
+	assert off(f"{'seepage' if wet else 'dry'}, excess {excess:.0f} Pa", found, reference, 0.05)
