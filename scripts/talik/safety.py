@@ -17,7 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 
 import talik
-from talik import output, plots
 from yade import O, wrapper
 
 strengths = ("cohesion", "cohesionFrozen", "tensileStrength", "tensileStrengthFrozen", "cohesions", "tensileStrengths")
@@ -88,6 +87,8 @@ class Safety:
 
 	def draw(self, circle=None):
 		"""Figure: shear strain and direction of motion in the trial that failed, and displacement over the factor. circle: of bishop, for comparison."""
+		from talik import plots
+
 		fig = plots.figure(11, 3.8)
 		mechanism, curve = fig.subplots(1, 2, width_ratios=(2, 1))
 		plots.ground(mechanism, self.frame, "deviatoricStrain", arrows="displacement", start=False)
@@ -145,7 +146,7 @@ def factorOfSafety(mpm, accuracy=0.01, skeleton=None, between=(0.25, 4.0), told=
 			trial = _run(ground, factor)
 			trials.append(trial)
 			if not trial.stands:
-				failed[factor] = output.allFields(ground)
+				failed[factor] = {name: np.array(ground.field(name)) for name in ground.fieldNames()}
 			if told is not None:
 				told(f"F = {factor:.3f}: {'stands' if trial.stands else 'fails'}, displacement {1e3 * trial.displacement:.1f} mm")
 			return trial.stands
