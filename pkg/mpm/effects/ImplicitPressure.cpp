@@ -622,8 +622,7 @@ template <int D> double ImplicitPressure<D>::checkerboard(int c, const double* x
 
 template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y)
 {
-	const Grid<D>& grid = step.grid;
-	const double   dt   = step.dt;
+	const double dt = step.dt;
 	forces(step.halo, x, moved_);
 	momentum.foldForces(step.halo, moved_);
 	step.halo.overNodes([&](int, int first, int last) {
@@ -640,8 +639,7 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 
 template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
 {
-	const Grid<D>& grid = step.grid;
-	const double   dt   = step.dt;
+	const double dt = step.dt;
 	step.halo.overNodes([&](int, int first, int last) {
 		for (int i = first; i < last; ++i)
 			std::copy_n(motion.solved[i] + motion.velocityAt, D, moved_[i]);
@@ -889,7 +887,6 @@ template <int D> void ImplicitPressure<D>::keepOnly(const ActiveRange& range)
 
 template <int D> void ImplicitPressure<D>::bookDissipation(const StepContext<D>& step) const
 {
-	const Grid<D>&     grid  = step.grid;
 	const ActiveRange& range = step.owned;
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
 		const Cell& cell = cells_[c];
@@ -915,7 +912,6 @@ template <int D> double ImplicitPressure<D>::givenTemperature(const ActiveRange&
 
 template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, PoreWater<D>& water, const LiquidOfGround& liquid)
 {
-	const Grid<D>&             grid          = step.grid;
 	const ActiveRange&         range         = step.owned;
 	const double               liquidDensity = liquid.density;
 	const EnthalpyModel* const enthalpy      = liquid.enthalpy;
