@@ -91,7 +91,7 @@ def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0, waterTabl
 		_requireWeight(mpm, lateralRatio)
 	numbers = _numbersOfMaterials(mpm, layers)
 	laws = _numbersOfLaws(mpm, layers)
-	densities = {name: densityOf(mpm, layer) for name, layer in layers.items()} if lateralRatio is not None else {}
+	densities = {name: _density(mpm, layer) for name, layer in layers.items()} if lateralRatio is not None else {}
 	hydrostatic = None if waterTable is None else _hydrostatic(mpm, layers, waterTable)
 	ids = {}
 	for name, layer in layers.items():
@@ -212,7 +212,7 @@ def _freezingPoint(curve):
 	return next((t for t, saturation in zip(curve.temperatures, curve.liquidSaturations) if saturation == 1), 0.0)
 
 
-def densityOf(mpm, layer):
+def _density(mpm, layer):
 	"""Of a layer as a whole [kg/m3], with ice where it is colder than its freezing point."""
 	material = layer.get("material", mpm.material)
 	porosity, temperature = layer.get("porosity", 0.4), layer.get("temperature", 0.0)

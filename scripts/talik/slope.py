@@ -149,7 +149,7 @@ def infiniteColumn(mpm, angle, layers, waterDepth=math.inf, lateralRatio=1.0, po
 		bySample = _hasSamples(layer.get("skeleton", mpm.skeleton))  # whose stress is theirs, see settle
 		placed[name] = dict(polygon=outline, **({} if bySample else dict(stress=stress)), **({} if mpm.water is None else dict(pressure=pressure)))
 		placed[name].update({key: value for key, value in layer.items() if key != "thickness"})
-	densities = [groundLayers.densityOf(mpm, layer) for layer in placed.values()]
+	densities = [groundLayers._density(mpm, layer) for layer in placed.values()]
 	return groundLayers.fill(mpm, placed, pointsPerCell)
 
 
