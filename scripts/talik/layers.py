@@ -85,6 +85,7 @@ def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0, waterTabl
 	>>> len(layers["ice-rich"])
 	16"""
 	_refuseUnknown(layers)
+	_refuseDryBesideWet(mpm, layers)
 	outlines = {name: _outlineOf(name, layer) for name, layer in layers.items()}
 	_refuseOverlaps(outlines)
 	if lateralRatio is not None:
@@ -116,6 +117,16 @@ def _refuseUnknown(layers):
 				close = difflib.get_close_matches(key, ofLayers, n=1)
 				hint = f"did you mean {close[0]}?" if close else f"choose among {', '.join(ofLayers)}"
 				raise ValueError(f"layer '{name}' has '{key}', which no layer has; {hint}")
+
+
+def _refuseDryBesideWet(mpm, layers):
+	for name, layer in layers.items():
+		fill = layer.get("poreFill", 1.0)
+		if mpm.water is not None and not callable(fill) and np.nanmin(fill) < 1:
+			raise ValueError(
+				f"layer '{name}' has poreFill {np.nanmin(fill):g}, and with MpmEngine.water all pores are full; leave water out, so that each layer has its own fill "
+				"(pore water then moves with the grains and carries no pressure), or leave poreFill out"
+			)
 
 
 def _requireWeight(mpm, lateralRatio):

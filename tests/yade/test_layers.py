@@ -250,3 +250,10 @@ def test_layers_with_samples_of_their_own_are_settled_each(sampleCache):
 	print(f"stress off by {abs(vertical / -weight - 1).max():.1e} of the weight; porosity {means[0]:.3f} and {means[1]:.3f}")
 	np.testing.assert_allclose(vertical, -weight, rtol=0.03)
 	assert means[0] < 0.19 < means[1]
+
+
+def test_a_dry_layer_beside_pore_water_is_refused_by_its_name():
+	mpm = wrapper.MpmEngine(gridSpacing=0.5, gravity=(0, -9.81), skeleton=wrapper.ElasticSkeleton(), water=wrapper.PoreWater())
+	gravel, silt = dict(polygon=talik.geometry.rectangle(0, 1, 2, 2), poreFill=0.1), dict(polygon=talik.geometry.rectangle(0, 0, 2, 1))
+	with pytest.raises(ValueError, match="layer 'gravel' has poreFill 0.1, and with MpmEngine.water all pores are full; leave water out"):
+		talik.layers.fill(mpm, {"gravel": gravel, "silt": silt})
