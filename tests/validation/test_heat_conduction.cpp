@@ -156,6 +156,57 @@ TEST(HeatConduction, HeatOfAWallIsAccountedForToRoundOff)
 	expectSmall("V01 heated slab: (gain - logged heat)/logged heat", (after.enthalpy - before - after.heatIn) / after.heatIn, 1e-12);
 }
 
+// Square whose left wall is warm and whose other walls are cold: T = sum over odd n of 4/(n pi) sin(n pi y) sinh(n pi (1 - x))/sinh(n pi), over the jump.
+// Two walls meet in each corner; the order in which they are listed must not matter.
+TEST(HeatConduction, CornersOfWallsLieBetweenTheirTemperatures)
+{
+	citing("Carslaw & Jaeger 1959, 5.3");
+	const auto exactAt = [](double x, double y) {
+		double sum = 0.0;
+		for (int n = 1; n < 400; n += 2)
+			sum += 4.0 / (n * M_PI) * std::sin(n * M_PI * y) * (std::exp(-n * M_PI * x) - std::exp(-n * M_PI * (2.0 - x)))
+			        / (1.0 - std::exp(-2.0 * n * M_PI));
+		return sum;
+	};
+	std::vector<double> first;
+	for (const std::vector<const char*>& order : { std::vector<const char*> { "left", "bottom", "right", "top" }, { "top", "right", "bottom", "left" } }) {
+		GroundSettings<2> s;
+		s.upper       = { 1.0, 1.0 };
+		s.gridSpacing = 0.1;
+		s.mixture     = withoutExpansion();
+		s.heat.emplace();
+		for (const std::string side : order)
+			addBoundary<WallTemperature<2>>(s, Region<2>::side(side), side == "left" ? 10.0 : 0.0);
+		Ground<2> ground(s);
+		fillBox(ground, { 0.0, 0.0 }, { 1.0, 1.0 }, [](PointInput<2>& p) { p.temperature = 2.5; });
+		ground.initialise();
+		marchTo(ground, 1.0 / diffusivity());
+		const auto          t = valuesOf(ground, "temperature"), x = valuesOf(ground, "position", 0), y = valuesOf(ground, "position", 1);
+		std::vector<double> mean(100, 0.0);
+		for (std::size_t p = 0; p < t.size(); ++p)
+			mean[int(x[p] / 0.1) + 10 * int(y[p] / 0.1)] += 0.25 * t[p];
+		if (!first.empty()) {
+			double apart = 0.0;
+			for (std::size_t p = 0; p < t.size(); ++p)
+				apart = std::max(apart, std::abs(t[p] - first[p]));
+			expectSmall("square with a warm wall: listed in another order, largest difference [K] of 10 K", apart, 1e-6);
+			continue;
+		}
+		first       = t;
+		double most = 0.0, beyond = 0.0;
+		for (int c = 0; c < 100; ++c) {
+			const double x = (c % 10 + 0.5) * 0.1, y = (c / 10 + 0.5) * 0.1;
+			if (std::hypot(x, std::min(y, 1.0 - y)) > 0.25) most = std::max(most, std::abs(mean[c] / 10.0 - exactAt(x, y)));
+		}
+		for (const double value : t)
+			beyond = std::max({ beyond, value - 10.0, -value });
+		const double corner = 0.5 * (mean[0] + mean[90]);
+		expectSmall("square with a warm wall: largest error of a cell 0.25 m from the corners of the warm wall, over 10 K, h = L/10", most, 2e-2);
+		expectScaled("square with a warm wall: cell in the corner of the warm wall [degC], h = L/10", corner, 10.0 * exactAt(0.05, 0.05), 10.0, 5e-2);
+		expectSmall("square with a warm wall: how far points are outside of 0 to 10 degC [K]", beyond, 0.1);
+	}
+}
+
 // Manufactured: with constant heat production Q between two cold walls, T = T_w + Q x (L - x)/(2 kappa) in the steady state
 TEST(HeatConduction, ConstantHeatProductionGivesTheParabola)
 {

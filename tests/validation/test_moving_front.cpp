@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 using namespace talik;
 using namespace talik::validation;
 
@@ -19,14 +21,15 @@ struct FrontScene {
 	std::string       name;
 	double            surface, initial;
 	FreezingCurvePtr  curve;
-	EnthalpyForm      form    = EnthalpyForm::capacityIntegral;
-	LatentDensity     density = LatentDensity::ice;
-	Wall              wall    = Wall::onNodes;
-	double            spacing = 0.05;
-	double            offset  = 0.0; ///< of the free surface above a node [h]
-	double            depth   = 1.5; ///< of the ground [m]
-	MixtureProperties mixture = withoutExpansion();
-	std::string       shape   = "quadraticBSpline";
+	EnthalpyForm      form         = EnthalpyForm::capacityIntegral;
+	LatentDensity     density      = LatentDensity::ice;
+	Wall              wall         = Wall::onNodes;
+	double            spacing      = 0.05;
+	double            offset       = 0.0; ///< of the free surface above a node [h]
+	double            depth        = 1.5; ///< of the ground [m]
+	MixtureProperties mixture      = withoutExpansion();
+	std::string       shape        = "quadraticBSpline";
+	double            heatFraction = 0.9;
 };
 
 FreezingCurvePtr sharpCurve() { return makeFreezingCurve("sharp", { { "residualSaturation", 0.0 } }); }
@@ -44,6 +47,7 @@ FrontResult marchFront(const FrontScene& scene, const std::vector<double>& insta
 	auto         s   = columnSettings(h, std::ceil(top / h - 1e-9) * h + (scene.wall == Wall::freeSurface ? 2 * h : 0.0));
 	s.mixture        = scene.mixture;
 	s.shapeFunction  = scene.shape;
+	s.heatFraction   = scene.heatFraction;
 	s.heat.emplace();
 	s.heat->enthalpyForm  = scene.form;
 	s.heat->latentDensity = scene.density;
@@ -228,6 +232,36 @@ TEST(MovingFront, ErrorOfTheFrontFallsWithTheGridSpacing)
 		s.spacing = h;
 		s.depth   = 2.0;
 		expectFront(s, neumann(s), 10.0, 0.25, true);
+	}
+}
+
+// Until the front has crossed the first cell the ice depends on the cell. It must not depend on the step.
+TEST(MovingFront, IceBehindAColdWallDoesNotFollowTheTimeStep)
+{
+	citing(neumannSource);
+	const std::vector<double> days { 0.2, 1.0, 5.0, 20.0 };
+	for (const double h : { 0.1, 0.05 }) {
+		double least[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL }, most[4] = {};
+		for (const double fraction : { 0.5, 0.1, 0.01 }) {
+			FrontScene s { "V02 freezing +0/-2", -2.0, 0.001, sharpCurve() };
+			s.spacing        = h;
+			s.depth          = 1.0;
+			s.heatFraction   = fraction;
+			const auto front = marchFront(s, { days[0] * day, days[1] * day, days[2] * day, days[3] * day }).front;
+			for (int k = 0; k < 4; ++k) {
+				const double over = front[k] / (neumann(s) * std::sqrt(days[k] * day));
+				least[k]          = std::min(least[k], over);
+				most[k]           = std::max(most[k], over);
+			}
+		}
+		for (int k = 0; k < 4; ++k) {
+			std::ostringstream name;
+			name << "V02 freezing +0/-2, wall: three time steps, h = " << h << " m, day " << days[k] << ", ";
+			expectSmall(name.str() + "largest ice over smallest less 1", most[k] / least[k] - 1.0, k < 2 ? 0.6 : 0.05);
+			if (k == 0) continue;
+			const double farthest = std::max(most[k] - 1.0, 1.0 - least[k]);
+			expectSmall(name.str() + "largest error of the front over Neumann's", farthest, k == 1 ? 0.4 : 0.05);
+		}
 	}
 }
 

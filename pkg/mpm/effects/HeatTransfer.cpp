@@ -8,8 +8,9 @@
 namespace talik {
 
 namespace {
-	// A node takes the temperature of a heated region at this rate over h^2 C/kappa, times the share of it that lies there. The edge is
-	// then where it is: held faster, what lies outside would be held with it, and more slowly, ground inside would not follow.
+	// A node takes the temperature of a wall or heated region at this rate over h^2 C/kappa, times the share of it that lies there. The edge
+	// is then where it is: held faster, what lies outside would be held with it, and more slowly, ground inside would not follow. Ground of one
+	// temperature at a wall meets the resistance h/(4 kappa) of eq. (9.6): its node expects 0.58 of the difference to the wall.
 	constexpr double holding = 12.0;
 } // namespace
 
@@ -82,17 +83,25 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 			held_.push_back({ s.node, holding * s.share, int(b), number++ });
 		if (!shares.empty()) continue;
 		for (int node : wallNodes(grid, region)) {
-			if (isPrescribed_[node]) continue;
-			isPrescribed_[node] = touched[node] = 1;
+			++isPrescribed_[node];
+			touched[node] = 1;
 			if (wall) touched[node - inward] = touched[node + inward] = 1;
-			walls_ = walls_ || wall;
 			prescribed_.push_back({ node, wall ? node - inward : -1, wall ? node + inward : -1, region.on.axis, int(b) });
 		}
 	}
+	// what lies behind another wall is the image of the ground there
+	std::vector<char> behind(grid.nodeCount(), 0);
+	for (const TemperatureNode& n : prescribed_)
+		if (n.ghost >= 0) behind[n.ghost] = 1;
+	for (const TemperatureNode& n : prescribed_)
+		if (behind[n.node]) --isPrescribed_[n.node];
+	prescribed_.erase(std::remove_if(prescribed_.begin(), prescribed_.end(), [&](const TemperatureNode& n) { return behind[n.node]; }), prescribed_.end());
 	for (int n = 0; n < grid.nodeCount(); ++n)
 		if (touched[n]) affected_.push_back(n);
 	wanted_.assign(prescribed_.size(), 0.0);
 	expected_.assign(prescribed_.size(), 0.0);
+	gradient_.assign(prescribed_.size(), 0.0);
+	walls_ = !prescribed_.empty();
 	if (walls_) moments.allocate(grid.nodeCount());
 	if (!produced_.empty()) volumes.allocate(grid.nodeCount());
 }
@@ -143,12 +152,14 @@ template <int D> void HeatTransfer<D>::map(const WeightBlock<D>& w)
 template <int D> void HeatTransfer<D>::mapMoments(const WeightBlock<D>& w)
 {
 	for (int k = 0; k < w.count; ++k) {
-		Vec<D> cx;
+		const int                 p = w.first + k;
+		std::array<double, D + 1> sums;
 		for (int a = 0; a < D; ++a)
-			cx[a] = capacityWeight[w.first + k] * position_[a][w.first + k];
+			sums[a] = capacityWeight[p] * position_[a][p];
+		sums[D] = volume[p] * conductivity[p];
 		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) {
-			for (int a = 0; a < D; ++a)
-				moments[node][a] += s * cx[a];
+			for (int a = 0; a <= D; ++a)
+				moments[node][a] += s * sums[a];
 		});
 	}
 }
@@ -182,30 +193,42 @@ template <int D> void HeatTransfer<D>::mirrorWalls(const Grid<D>& grid, const Ac
 
 template <int D> void HeatTransfer<D>::prescribe(const StepContext<D>& step)
 {
-	const Grid<D>&     grid  = step.grid;
-	const ActiveRange& range = step.halo;
-	const double       h     = grid.spacing();
+	const Grid<D>&     grid    = step.grid;
+	const ActiveRange& range   = step.halo;
+	const double       h       = grid.spacing();
+	const auto         isThere = [&](const TemperatureNode& n) { return range.holds(n.node) && nodes[n.node][0] > 0.0; };
+	for (const TemperatureNode& n : prescribed_)
+		if (isThere(n)) nodal[n.node][0] = 0.0;
+	// where walls meet, the node has the mean of their temperatures
+	for (std::size_t k = 0; k < prescribed_.size(); ++k)
+		if (const TemperatureNode& n = prescribed_[k]; isThere(n)) nodal[n.node][0] += wanted_[k] / isPrescribed_[n.node];
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
 		const TemperatureNode& n = prescribed_[k];
-		expected_[k]             = wanted_[k];
-		if (!range.holds(n.node) || !(nodes[n.node][0] > 0.0)) continue;
-		nodal[n.node][0] = wanted_[k];
+		gradient_[k]             = 0.0;
+		if (!isThere(n)) continue;
+		expected_[k]      = nodal[n.node][0];
+		mapped[n.node][0] = reference + nodal[n.node][0]; // of water that comes in there
 		if (n.ghost < 0 || isPrescribed_[n.inner] || !(nodes[n.inner][0] > 0.0)) continue;
 		// points lie in front of the wall, not on it: their mean is off the wall temperature by the gradient
 		const double wall     = grid.nodePosition(n.axis, grid.nodeOf(n.node)[n.axis]);
 		const double distance = std::abs(moments[n.inner][n.axis] / nodes[n.inner][0] - wall);
 		const double ahead    = std::abs(moments[n.node][n.axis] / nodes[n.node][0] - wall);
 		if (distance < 0.5 * h || ahead > h) continue;
-		const double gradient = (nodal[n.inner][0] - wanted_[k]) / distance;
+		gradient_[k] = (nodal[n.inner][0] - wanted_[k]) / distance;
 		// away from the wall's temperature no faster than what the grid does not see dies out: irregular points would drive each
 		// other up, step by step, however short the steps
 		const double mean     = nodes[n.node][1] / nodes[n.node][0];
 		const double farthest = mean + (mean - wanted_[k]) * smoothing(step);
-		expected_[k]          = std::clamp(wanted_[k] + gradient * ahead, std::min(wanted_[k], farthest), std::max(wanted_[k], farthest));
-		nodal[n.inner][0]     = wanted_[k] + gradient * h;
+		expected_[k]          = std::clamp(wanted_[k] + gradient_[k] * ahead, std::min(wanted_[k], farthest), std::max(wanted_[k], farthest));
+		gradient_[k] *= h - distance;
 	}
-	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
-		if (n->ghost >= 0 && range.holds(n->node)) nodal[n->ghost][0] = 2.0 * nodal[n->node][0] - nodal[n->inner][0];
+	// from the mean of the points around it to the node itself, along both axes near a corner
+	for (std::size_t k = 0; k < prescribed_.size(); ++k)
+		if (gradient_[k] != 0.0) nodal[prescribed_[k].inner][0] += gradient_[k];
+	for (std::size_t k = prescribed_.size(); k-- > 0;) {
+		const TemperatureNode& n = prescribed_[k];
+		if (n.ghost >= 0 && range.holds(n.node)) nodal[n.ghost][0] = 2.0 * wanted_[k] - nodal[n.inner][0];
+	}
 }
 
 template <int D> void HeatTransfer<D>::nodalTemperature(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
@@ -328,8 +351,11 @@ template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, c
 			increment[i][0] = nodes[i][0] > 0.0 ? energy[i][0] / nodes[i][0] : 0.0;
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
-		const int node = prescribed_[k].node;
-		if (range.holds(node) && nodes[node][0] > 0.0) increment[node][0] = expected_[k] - nodes[node][1] / nodes[node][0];
+		const int    node     = prescribed_[k].node;
+		const double capacity = nodes[node][0];
+		if (!range.holds(node) || !(capacity > 0.0)) continue;
+		const double taken = holding * step.calendarDt * moments[node][D] / (step.grid.spacing() * step.grid.spacing() * capacity);
+		increment[node][0] = (expected_[k] - nodes[node][1] / capacity) * taken / (1.0 + taken);
 	}
 	for (auto n = prescribed_.rbegin(); n != prescribed_.rend(); ++n)
 		if (n->ghost >= 0 && range.holds(n->node)) increment[n->ghost][0] = 2.0 * increment[n->node][0] - increment[n->inner][0];

@@ -98,15 +98,15 @@ public:
 
 	double reference = 0.0; ///< T_r from which nodal temperatures count, but for mapped [degC]
 
-	NodeField<2> nodes;             ///< C, C (T - T_r); near walls those of the ground and its mirror image
-	NodeField<1> capacity;          ///< C of the ground alone
-	NodeField<1> mapped;            ///< T_I from the points, absolute
-	NodeField<1> nodal;             ///< T_I - T_r whose gradient conducts: prescribed at walls
-	NodeField<1> energy;            ///< Delta E_I [J]
-	NodeField<1> nullSpaceResidual; ///< sum S C (T of the grid at the point - T of the point)
-	NodeField<1> increment;         ///< what points receive: Delta E_I/C_I and smoothing
-	NodeField<D> moments;           ///< sum S C x, in scenes with heated walls
-	NodeField<1> volumes;           ///< sum S V, in scenes with regions that produce heat
+	NodeField<2>     nodes;             ///< C, C (T - T_r); near walls those of the ground and its mirror image
+	NodeField<1>     capacity;          ///< C of the ground alone
+	NodeField<1>     mapped;            ///< T_I from the points, absolute
+	NodeField<1>     nodal;             ///< T_I - T_r whose gradient conducts: prescribed at walls
+	NodeField<1>     energy;            ///< Delta E_I [J]
+	NodeField<1>     nullSpaceResidual; ///< sum S C (T of the grid at the point - T of the point)
+	NodeField<1>     increment;         ///< what points receive: Delta E_I/C_I and smoothing
+	NodeField<D + 1> moments;           ///< sum S C x and sum S V kappa, in scenes with walls of given temperature
+	NodeField<1>     volumes;           ///< sum S V, in scenes with regions that produce heat
 	/// Of the surfaces and walls at a node in this step, for ice segregation: outward area vector, area, area times temperature of the surface
 	/// itself, heat that leaves [W of calendar time]; infinite where it is not known, at walls.
 	NodeField<D + 3> outside;
@@ -127,7 +127,7 @@ private:
 
 	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, weight_ = -1;
 	std::vector<TemperatureNode> prescribed_;
-	std::vector<char>            isPrescribed_;
+	std::vector<char>            isPrescribed_; ///< by how many walls
 	struct HeldNode {
 		int    node;
 		double rate; ///< at which it takes the temperature, times diffusionTime_ [-]
@@ -144,8 +144,9 @@ private:
 	std::vector<HeldNode>      held_;
 	double                     diffusionTime_ = 0.0; ///< h^2 C/kappa of the ground at the start [s]
 	std::vector<int>           affected_;            ///< nodes whose heat the prescribed temperatures change
-	std::vector<double>        wanted_;              ///< temperature of each prescribed node
+	std::vector<double>        wanted_;              ///< temperature of the wall at each of them
 	std::vector<double>        expected_;            ///< mean temperature of the points around it that goes with this wall temperature
+	std::vector<double>        gradient_; ///< of temperature in front of each of them
 	std::array<double*, D>     position_ {};
 	NodeField<2>               received_;       ///< energy and nullSpaceResidual in one record, without water
 	double                     smoothed_ = 0.0; ///< part of the null-space differences that dies out in this step
