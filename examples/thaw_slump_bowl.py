@@ -57,6 +57,17 @@ def geostatic(hill, position):
 	return np.column_stack([lateralRatio * down, lateralRatio * down, down, *3 * [0 * down]])
 
 
+def localHeights(path):
+	"""Heights of a file, with its first node at (0, 0); the barrier is at a place along them, and the base of the ground at the height 0."""
+	heights = solids.readHeights(path)
+	x, y, z = heights.x - heights.x[0], heights.y - heights.y[0], heights.z
+	if not x[-1] > barrierAt:
+		raise ValueError(f"'{path}' is {x[-1]:g} m long; it must reach beyond the barrier, which is at {barrierAt} m (barrierAt)")
+	if not np.nanmax(z) - np.nanmin(z) > 0.1 * np.nanmax(z):
+		raise ValueError(f"'{path}' has heights from {np.nanmin(z):g} to {np.nanmax(z):g} m, and the ground reaches down to 0; take the height of its base off")
+	return solids.Heights(x, y, z)
+
+
 def barrier(hill):
 	"""Ids of facets that stand across the floor of the hollow, a row of upright squares cut in two."""
 	wall, middle = [], 0.5 * (hill.lower[1] + hill.upper[1])
@@ -255,7 +266,7 @@ def main():
 	options = parser.parse_args()
 	started, folder, preset = time.monotonic(), writableFolder(Path(options.output)), presets[options.preset]
 	preset.days = options.days or preset.days
-	hill = solids.terrain(solids.readHeights(options.heights), base=0.0)
+	hill = solids.terrain(localHeights(options.heights), base=0.0)
 	if options.redraw:
 		barrier(hill)
 		draw(output.loadFrames(folder / "frames.npz")[-1], json.loads((folder / "summary.json").read_text())["history"], boxOf(preset, hill), hill, folder)

@@ -260,7 +260,7 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 			        || (other->drains() && b->name() == "ImpermeableBoundary");
 			// no water crosses a wall that moves
 			const bool openAndMoving = (b->moves() && (other->drains() || other->feeds())) || (other->moves() && (b->drains() || b->feeds()));
-			const bool mayMeet       = other->effect() != effect || b->loads() || other->loads() || b->drains() || other->drains()
+			const bool mayMeet       = other->effect() != effect || b->loads() || other->loads() || b->drains() != other->drains()
 			        || (b->usesSurface() && other->usesSurface() && b->name() != other->name());
 			if (mayMeet && !pressureAndFlux && !openAndClosed && !openAndMoving) continue;
 			const Region<D>&r = b->region(), &q = other->region();

@@ -463,6 +463,8 @@ def servoStress(grains, goal, tolerance=2e-3, maxSteps=None, maxStrain=0.1):
 	...     talik.packing.servoStress(grains, (-95e3, -100e3, 0), tolerance=0.02)"""
 	maxSteps = maxSteps or round(servoMaxSteps * math.sqrt(grains.rotationalStiffening if grains else 1))
 	goal = np.asarray(goal, dtype=float)
+	if goal.shape != (components := 3 if dimension() == 2 else 6,):
+		raise ValueError(f"servoStress: goal is {goal.tolist()}; give {components} components {componentNames[dimension()]} in Pa")
 	pressure = max(-float(np.mean(goal[: dimension()])), 1.0)
 	gain = 1 / (servoSteps * (grains.stiffness if grains else contactStiffness()))
 	limit = strainLimit(grains, pressure) if grains else _strainLimitOfScene(pressure)

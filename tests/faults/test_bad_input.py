@@ -21,6 +21,14 @@ remedy = re.compile(
 table = []
 
 
+def servoInSpace(goal):
+	with talik.scratchScene():
+		O.periodic = True
+		O.cell.hSize = Matrix3(0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1)
+		O.bodies.append([utils.sphere((0.03, 0.03, 0.03), 0.02), utils.sphere((0.07, 0.07, 0.07), 0.02)])
+		talik.packing.servoStress(None, goal)
+
+
 def ground(points=None, stepped=True, **settings):
 	"""A square of ground with the settings in question, made to take a step."""
 	mpm = wrapper.MpmEngine(**{"gridSpacing": 0.25, "lower": (0, 0), "upper": (1, 1), "skeleton": wrapper.ElasticSkeleton(), **settings})
@@ -156,6 +164,17 @@ wrong = {
 	"temperature not a number": (lambda s: warm(points={"temperature": nan}), "temperature", "nan"),
 	"velocity infinite": (lambda s: ground(points={"velocity": (inf, 0)}), "velocity", "inf"),
 	"stress not a number": (lambda s: ground(points={"stress": (1, nan, 0, 0)}), "stress", "nan"),
+	"stress not a number in its first component": (lambda s: ground(points={"stress": (nan, -1e4, -5e3, 0)}), "addPoints: stress", "nan"),
+	"two water levels on one surface": (
+		lambda s: ground(water=wrapper.PoreWater(), upper=(1, 2), boundaries=[wrapper.DrainedBoundary(region="surface", pressure=p) for p in (0, 2e4)]),
+		"DrainedBoundary",
+		"boundaries[1]",
+	),
+	"load not a number": (
+		lambda s: ground(upper=(1, 2), boundaries=[wrapper.SurfaceLoad(region="surface", pressure=nan)]),
+		"SurfaceLoad.pressure",
+		"not finite",
+	),
 	"stress of three components": (lambda s: ground(points={"stress": (1, 2, 0)}), "stress", "xx, yy, zz, xy"),
 	"text for positions": (lambda s: ground(points={"position": [["a", "b"]]}), "addPoints", "'a'"),
 	"values for fewer points": (lambda s: ground(points={"porosity": [0.3, 0.4]}), "porosity", "2 numbers"),
@@ -319,6 +338,7 @@ wrong = {
 	"check of what is no ground": (lambda s: talik.check(3), "talik.check", "3"),
 	"friction of no sample": (lambda s: talik.studies.calibrate.thawedFriction([]), "samples", "empty"),
 	# geometry and files
+	"stress in space of three components": (lambda s: servoInSpace((-1e5, -1e5, -1e5)), "servoStress: goal", "6 components (xx, yy, zz, yz, xz, xy)"),
 	"outline of two corners": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 1)], 0.1), "polygon", "2"),
 	"outline not a number": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 0), (nan, 1)], 0.1), "polygon", "not finite"),
 	"three points per cell": (lambda s: talik.geometry.fillPolygon([(0, 0), (1, 0), (0, 1)], 0.1, 3), "pointsPerCell", "3"),

@@ -58,7 +58,7 @@ implausible = {
 	"gravity upwards": (lambda: ground(gravity=(0, 9.81)), ("gravity is (0, 9.81)", "(0, -9.81)"), True),
 	"initial stress in tension": (lambda: ground(points={"stress": (2e4, 4e4, 3e4, 0)}), ("tensile, up to 4e+04", "negative"), True),
 	"permeability in m^2": (lambda: wet(water=wrapper.PoreWater(conductivity=1e-15)), ("conductivity is 1e-15", "1e-14 to 1"), False),
-	"conductivity of a pipe": (lambda: wet(water=wrapper.PoreWater(conductivity=20)), ("conductivity is 20", "1e-14 to 1"), False),
+	"conductivity of a pipe": (lambda: wet(water=wrapper.PoreWater(conductivity=20)), ("conductivity is 20", "1e-14 to 1", "0.0002315 (20 m per day)"), False),
 	"friction in radians": (lambda: skeleton(MohrCoulomb, frictionAngle=0.5), ("frictionAngle is 0.5", "28.65"), True),
 	"load in kPa": (lambda: ground(boundaries=[wrapper.SurfaceLoad(region="surface", pressure=20)]), ("SurfaceLoad.pressure is 20", "2e+04"), False),
 	"stress in kPa": (lambda: ground(points={"stress": (-20, -40, -30, 0)}), ("stress is 40", "4e+04"), False),
@@ -70,7 +70,7 @@ implausible = {
 		("velocity is 1 m/s", "no motion", "motion=True"),
 		True,
 	),
-	"stiffness in MPa": (lambda: skeleton(wrapper.ElasticSkeleton, young=20), ("young is 20", "2e+04"), False),
+	"stiffness in MPa": (lambda: skeleton(wrapper.ElasticSkeleton, young=20), ("young is 20", "2e+07"), False),
 	"stiffness of creeping ground in GPa": (
 		lambda: ground(skeleton=wrapper.CreepingSkeleton(young=9, iceCreep=wrapper.IceCreep()), heat=wrapper.HeatTransfer()),
 		("CreepingSkeleton.young is 9",),
@@ -92,9 +92,41 @@ implausible = {
 		False,
 	),
 	"frozen ground that thaws and freezes again": (lambda: freezing(points={"temperature": -1.0}, values=[-5, 5, -5]), ("frost heave by segregation",), False),
-	"seepage that took the scale of the heat": (
-		lambda: wet(heat=wrapper.HeatTransfer(thermalTimeScale=1e5)),
-		("hydraulicTimeScale is not given", "1e+05 times", "give 1 for seepage in seconds of motion"),
+	"cohesion in kPa": (lambda: skeleton(MohrCoulomb, cohesion=5), ("MohrCoulombSkeleton.cohesion is 5", "5000"), False),
+	"cohesion in mPa": (lambda: skeleton(MohrCoulomb, cohesion=5e9), ("MohrCoulombSkeleton.cohesion is 5e+09", "5e+06"), False),
+	"scale of the calendar upside down": (
+		lambda: warm(heat=wrapper.HeatTransfer(thermalTimeScale=1e-7)),
+		("thermalTimeScale is 1e-07", "1e+07"),
+		False,
+	),
+	"seconds given as days": (
+		lambda: warm(boundaries=[wrapper.SurfaceTemperature(region="surface", days=[0, 864000], values=[-5, 10])]),
+		("SurfaceTemperature.days ends at day 8.64e+05", "2366 years", "times="),
+		False,
+	),
+	"pond without its load": (
+		lambda: wet(boundaries=[wrapper.DrainedBoundary(region="surface", pressure=2e4)]),
+		("DrainedBoundary.pressure is 2e+04", "SurfaceLoad(region='surface',pressure=2e+04)"),
+		False,
+	),
+	"wall where no ground is": (
+		lambda: warm(boundaries=[wrapper.WallTemperature(region="top", temperature=-5)]),
+		("WallTemperature(region='top')", "1.062 m away", "SurfaceTemperature"),
+		True,
+	),
+	"computed segregation of the default impedance": (
+		lambda: freezing(points={"temperature": 1.0}, values=[1, -5], segregation=wrapper.IceSegregation()),
+		("segregationPotential is not given", "impedance", "three times too much", "thaws back"),
+		False,
+	),
+	"rain on ground that may be frozen": (
+		lambda: wet(
+			heat=wrapper.HeatTransfer(),
+			freezing=wrapper.FreezingCurve(),
+			points={"temperature": -1},
+			boundaries=[wrapper.WaterFlux(region="surface", flux=1e-7, temperature=1)],
+		),
+		("rain does not run off", "lifts it", "DrainedBoundary"),
 		False,
 	),
 	"rain in mm/h": (lambda: wet(boundaries=[wrapper.WaterFlux(region="surface", flux=5)]), ("flux is 5", "1.389e-06"), False),
@@ -134,6 +166,13 @@ plausible = {
 	),
 	"freezing ground without water that flows": lambda: warm(
 		freezing=wrapper.FreezingCurve(), boundaries=[wrapper.SurfaceTemperature(region="surface", temperature=-5)], points={"temperature": 1.0}
+	),
+	"seepage on the scale of the heat": lambda: wet(heat=wrapper.HeatTransfer(thermalTimeScale=1e5)),
+	"a pond with its load": lambda: wet(
+		boundaries=[wrapper.DrainedBoundary(region="surface", pressure=2e4), wrapper.SurfaceLoad(region="surface", pressure=2e4)]
+	),
+	"computed segregation of a measured impedance": lambda: freezing(
+		points={"temperature": 1.0}, values=[1, -5], segregation=wrapper.IceSegregation(), water=wrapper.PoreWater(impedance=8)
 	),
 	"a calendar that follows the motion, with seepage": lambda: wet(heat=wrapper.HeatTransfer(thermalTimeScale=1e5, followsMotion=True)),
 	"a load that comes in seconds": lambda: ground(boundaries=[wrapper.SurfaceLoad(region="surface", times=[0, 0.1], values=[0, 2e4])]),

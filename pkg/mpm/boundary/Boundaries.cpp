@@ -136,14 +136,14 @@ template class MovingBoundary<3>;
 
 template <int D> void Traction<D>::validate(const Grid<D>& grid) const
 {
-	pressure_.validate("Traction.pressure");
+	pressure_.validate("SurfaceLoad.pressure");
 	requireSetting(
-	        traction_.empty() || traction_.size() == D, "Traction.traction", std::to_string(traction_.size()) + " components",
+	        traction_.empty() || traction_.size() == D, "SurfaceLoad.traction", std::to_string(traction_.size()) + " components",
 	        "must have one component per dimension, or none");
 	for (const TimeTable& t : traction_)
-		t.validate("Traction.traction");
+		t.validate("SurfaceLoad.traction");
 	requireSetting(
-	        this->region_.kind != Region<D>::Kind::nodeBox || pressure_.isZero(), "Traction.pressure", pressure_.values().front(),
+	        this->region_.kind != Region<D>::Kind::nodeBox || pressure_.isZero(), "SurfaceLoad.pressure", pressure_.values().front(),
 	        "must be zero on a box of nodes, which has no normal; give the traction vector");
 	Boundary<D>::validate(grid);
 }

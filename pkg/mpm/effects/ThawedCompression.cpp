@@ -9,6 +9,16 @@
 
 namespace talik {
 
+namespace {
+	/// Gravity may be turned while the ground moves.
+	template <int D> void aimAlong(const Vec<D>& gravity, Vec<D>& down)
+	{
+		const double size = lengthOf<D>(gravity);
+		for (int a = 0; a < D && size > 0.0; ++a)
+			down[a] = gravity[a] / size;
+	}
+} // namespace
+
 template <int D>
 ThawedCompression<D>::ThawedCompression(PointFields& fields, const GroundSettings<D>& settings)
         : settings_(&settings)
@@ -27,10 +37,9 @@ template <int D> void ThawedCompression<D>::bind(MaterialPoints<D>& points, cons
 	meanPressure_        = points.fields().component(meanPressureField_);
 	stressAtStart_       = points.fields().component(stressAtStartField_);
 	const Vec<D>& weight = settings_->motion->gravity;
-	for (int a = 0; a < D; ++a)
-		down_[a] = weight[a] / lengthOf<D>(weight);
-	ofThawed_      = bool(settings_->water);
-	smoothingTime_ = gravityTime(settings_->gridSpacing, lengthOf<D>(weight));
+	ofThawed_            = bool(settings_->water);
+	smoothingTime_       = gravityTime(settings_->gridSpacing, lengthOf<D>(weight));
+	aimAlong<D>(weight, down_);
 	sharing_.reset(settings_->motion->bBar ? cells : points.count());
 	noIce_.reset(points.count());
 	thawedModulus_.reset(points.count());
@@ -113,6 +122,7 @@ void ThawedCompression<D>::compress(
         const StepContext<D>& step, const PointsInMotion<D>& moving, const double* modulus, const CellMeans<D>* cells, const Gradients<D>& gradient)
 {
 	cells_ = cells;
+	aimAlong<D>(settings_->motion->gravity, down_);
 	if (cells) std::fill(sharing_.begin() + step.halo.firstCell, sharing_.begin() + step.halo.lastCell, Sharing {});
 	else std::fill(sharing_.begin() + step.strips.firstPoint(), sharing_.begin() + step.strips.endPoint(), Sharing {});
 	const double* const volume = moving.volume;

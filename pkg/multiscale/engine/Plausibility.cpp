@@ -160,13 +160,14 @@ namespace {
 		const char* name;
 		double      value, least, most;
 		const char* unit;
+		double      factor = 1e3;
 	};
 
-	/// Where a thousand times more or less would do, that was meant.
+	/// Where a thousand times more or less would do, or another factor between units, that was meant.
 	void doubtRange(Doubts& doubts, bool grave, const Range& r)
 	{
 		if (r.value == 0 || !std::isfinite(r.value) || (r.value >= r.least && r.value <= r.most)) return;
-		const double meant = r.value < r.least ? r.value * 1e3 : r.value / 1e3;
+		const double meant = r.value < r.least ? r.value * r.factor : r.value / r.factor;
 		if (meant >= r.least && meant <= r.most) doubts.add(grave, r.name, " is ", r.value, " ", r.unit, ": was ", meant, " meant?");
 		else doubts.add(grave, r.name, " is ", r.value, " ", r.unit, ": ", r.least, " to ", r.most, " would be usual.");
 	}
@@ -194,16 +195,19 @@ namespace {
 			doubts.add(true, name, " is ", degrees, " degrees: was ", degrees * 180 / M_PI, " (the same number in radians) meant?");
 	}
 
+	void doubtStiffness(Doubts& doubts, const char* name, double young) { doubtRange(doubts, false, Range { name, young, 1e4, 1e12, "Pa", 1e6 }); }
+
 	void doubtSkeletons(Doubts& doubts, const MpmEngine& mpm)
 	{
 		for (const auto& law : mpm.activeSkeletons()) {
 			if (const auto* elastic = dynamic_cast<const yade::ElasticSkeleton*>(law.get()))
-				doubtRange(doubts, false, Range { "ElasticSkeleton.young", elastic->young, 1e4, 1e12, "Pa" });
+				doubtStiffness(doubts, "ElasticSkeleton.young", elastic->young);
 			if (const auto* creeping = dynamic_cast<const yade::CreepingSkeleton*>(law.get()))
-				doubtRange(doubts, false, Range { "CreepingSkeleton.young", creeping->young, 1e4, 1e12, "Pa" });
+				doubtStiffness(doubts, "CreepingSkeleton.young", creeping->young);
 			if (const auto* mohrCoulomb = dynamic_cast<const yade::MohrCoulombSkeleton*>(law.get())) {
 				doubtAngle(doubts, "MohrCoulombSkeleton.frictionAngle", mohrCoulomb->frictionAngle);
-				doubtRange(doubts, false, Range { "MohrCoulombSkeleton.young", mohrCoulomb->young, 1e4, 1e12, "Pa" });
+				doubtStiffness(doubts, "MohrCoulombSkeleton.young", mohrCoulomb->young);
+				doubtRange(doubts, false, Range { "MohrCoulombSkeleton.cohesion", mohrCoulomb->cohesion, 10, 1e8, "Pa" });
 				doubtRange(doubts, false, Range { "MohrCoulombSkeleton.cohesionFrozen", mohrCoulomb->cohesionFrozen, 10, 1e9, "Pa" });
 			}
 		}
@@ -217,7 +221,41 @@ namespace {
 		return most;
 	}
 
-	void doubtBoundaries(Doubts& doubts, const MpmEngine& mpm)
+	template <class... Kinds> bool isOneOf(const yade::GroundBoundary& boundary) { return (dynamic_cast<const Kinds*>(&boundary) || ...); }
+
+	/// Water that stands on the ground presses on its grains, too.
+	void doubtPond(Doubts& doubts, const MpmEngine& mpm, const yade::DrainedBoundary& pond)
+	{
+		const double p = largest(pond.pressure, pond.values);
+		if (pond.region != "surface" || !(p > 0)) return;
+		for (const auto& boundary : mpm.boundaries)
+			if (isOneOf<yade::SurfaceLoad>(*boundary)) return;
+		doubts.add(
+		        false, "DrainedBoundary.pressure is ", p,
+		        " Pa on the surface, where no load is: water that stands there presses on the ground, too. Add "
+		        "SurfaceLoad(region='surface',pressure=",
+		        p, ").");
+	}
+
+	/// Only a side that ground touches can warm or cool it.
+	template <int D> void doubtWall(Doubts& doubts, const MpmEngine& mpm, const yade::WallTemperature& wall, const Points<D>& points)
+	{
+		const std::map<string, std::pair<int, bool>> sides { { "left", { 0, false } },   { "right", { 0, true } },  { "bottom", { D - 1, false } },
+			                                             { "top", { D - 1, true } }, { "front", { 1, false } }, { "back", { 1, true } } };
+		const auto                                   side = sides.find(wall.region);
+		if (side == sides.end() || !mpm.lower.isGiven() || !mpm.upper.isGiven()) return;
+		const auto [axis, upper] = side->second;
+		const double at          = (upper ? mpm.upper : mpm.lower).template in<D>("corner")[axis];
+		double       apart       = std::numeric_limits<double>::infinity();
+		for (const auto& point : points)
+			apart = std::min(apart, std::abs(point.position[axis] - at));
+		if (apart > mpm.gridSpacing)
+			doubts.add(
+			        true, "WallTemperature(region='", wall.region, "'): no ground is there, the nearest point is ", apart,
+			        " m away: was SurfaceTemperature(region='surface') meant, or a grid that ends at the ground?");
+	}
+
+	template <int D> void doubtBoundaries(Doubts& doubts, const MpmEngine& mpm, const Points<D>& points)
 	{
 		for (const auto& boundary : mpm.boundaries) {
 			if (const auto* load = dynamic_cast<const yade::SurfaceLoad*>(boundary.get())) {
@@ -227,20 +265,31 @@ namespace {
 			if (const auto* flux = dynamic_cast<const yade::WaterFlux*>(boundary.get())) {
 				const double q = largest(flux->flux, flux->values);
 				if (q > 0.1) doubts.add(false, "WaterFlux.flux is ", q, " m/s: was ", q / 1e3 / 3600, " m/s (", q, " mm per hour) meant?");
+				else if (q > 0 && flux->region == "surface" && mpm.freezing)
+					doubts.add(
+					        false, "WaterFlux on the surface: rain does not run off here. What frozen or full ground cannot take is pressed into it and "
+					        "lifts it: give DrainedBoundary(region='surface') while it takes none.");
 			}
+			if (const auto* drained = dynamic_cast<const yade::DrainedBoundary*>(boundary.get()); drained && mpm.motion)
+				doubtPond(doubts, mpm, *drained);
+			if (const auto* wall = dynamic_cast<const yade::WallTemperature*>(boundary.get())) doubtWall<D>(doubts, mpm, *wall, points);
 		}
 	}
-
-	template <class... Kinds> bool isOneOf(const yade::GroundBoundary& boundary) { return (dynamic_cast<const Kinds*>(&boundary) || ...); }
 
 	bool isThermal(const yade::GroundBoundary& boundary)
 	{
 		return isOneOf<yade::SurfaceTemperature, yade::WallTemperature, yade::BodyTemperature, yade::HeatFlux, yade::HeatSource>(boundary);
 	}
 
-	/// Tables in seconds that are over before anything comes of them.
+	/// Tables in seconds that are over before anything comes of them, or in days that nobody waits for.
 	void doubtTables(Doubts& doubts, const MpmEngine& mpm)
 	{
+		constexpr double longest = 1e5; // days of a table: 274 years
+		for (const auto& boundary : mpm.boundaries)
+			if (boundary && !boundary->days.empty() && boundary->days.back() > longest)
+				doubts.add(
+				        false, boundary->getClassName(), ".days ends at day ", boundary->days.back(), ", in ", boundary->days.back() / 365.25,
+				        " years: were seconds meant? They are times=, in place of days.");
 		constexpr double diffusivity = 1e-6, shareOfCell = 0.1, shortest = 1e-3; // of ground [m^2/s]; -; of a table [s of motion]
 		const double     scale = mpm.heat ? mpm.heat->thermalTimeScale : 1;
 		for (const auto& boundary : mpm.boundaries) {
@@ -298,17 +347,38 @@ namespace {
 		        "freezes where it is, by 9 % of its volume at most. segregation=IceSegregation(segregationPotential=1e-9) adds it.");
 	}
 
-	/// Scenes of before seepage took the scale of the calendar.
-	void doubtSeepage(Doubts& doubts, const MpmEngine& mpm)
+	/// What the water that ice draws is computed from, if it is not measured.
+	void doubtSegregation(Doubts& doubts, const MpmEngine& mpm)
 	{
-		if (!mpm.water || !mpm.heat || mpm.heat->followsMotion || !std::isnan(mpm.water->hydraulicTimeScale)) return;
-		const double scale = mpm.heat->thermalTimeScale;
-		if (!(scale > 1)) return;
+		if (!mpm.segregation || !mpm.water || !std::isnan(mpm.segregation->segregationPotential) || mpm.water->relativeConductivity != "impedance"
+		    || mpm.water->impedance != yade::PoreWater().impedance)
+			return;
 		doubts.add(
-		        false, "PoreWater.hydraulicTimeScale is not given, so that seepage and rain run up to ", scale,
-		        " times as fast as motion, as HeatTransfer.thermalTimeScale says (the default was 1 before 0.2): give 1 for seepage in seconds of "
-		        "motion, or "
-		        "HeatTransfer(followsMotion=True), whose calendar slows down while the ground moves.");
+		        false,
+		        "IceSegregation.segregationPotential is not given, so that frost heave follows from PoreWater.impedance, which is the default of ",
+		        mpm.water->impedance,
+		        ": a silt measured in the laboratory heaves three times too much with it, and its ice thaws back under constant cold. Give a measured "
+		        "segregationPotential, or the impedance of the soil.");
+	}
+
+	void doubtClock(Doubts& doubts, const MpmEngine& mpm)
+	{
+		if (!mpm.heat || !(mpm.heat->thermalTimeScale < 1)) return;
+		const double scale = mpm.heat->thermalTimeScale;
+		doubts.add(
+		        false, "HeatTransfer.thermalTimeScale is ", scale, ", so that ", scale, " s of the calendar pass in a second of motion: was ",
+		        1 / scale, " meant?");
+	}
+
+	void doubtConductivity(Doubts& doubts, double k)
+	{
+		if (k < 1e-14)
+			doubts.add(false, "PoreWater.conductivity is ", k, " m/s: soils and rocks have 1e-14 to 1 m/s; was a permeability in m^2 given?");
+		else if (k > 0.05)
+			doubts.add(
+			        false, "PoreWater.conductivity is ", k,
+			        " m/s: soils and rocks have 1e-14 to 1 m/s, and only coarse gravel more than 0.05; was ", k / talik::secondsPerDay, " (", k,
+			        " m per day) meant?");
 	}
 
 	template <int D> void doubtGravity(Doubts& doubts, const MpmEngine& mpm)
@@ -342,14 +412,12 @@ namespace {
 		doubtStates<D>(doubts, mpm, points);
 		doubtUnused<D>(doubts, mpm, points);
 		if (mpm.motion) doubtSkeletons(doubts, mpm);
-		if (mpm.water && (mpm.water->conductivity < 1e-14 || mpm.water->conductivity > 1))
-			doubts.add(
-			        false, "PoreWater.conductivity is ", mpm.water->conductivity,
-			        " m/s: soils and rocks have 1e-14 to 1 m/s; was a permeability in m^2 given, or a unit other than m/s?");
-		doubtBoundaries(doubts, mpm);
+		if (mpm.water) doubtConductivity(doubts, mpm.water->conductivity);
+		doubtBoundaries<D>(doubts, mpm, points);
 		doubtTables(doubts, mpm);
 		doubtHeave<D>(doubts, mpm, points);
-		doubtSeepage(doubts, mpm);
+		doubtSegregation(doubts, mpm);
+		doubtClock(doubts, mpm);
 		return doubts.list;
 	}
 

@@ -105,6 +105,9 @@ void PointTable::add(const py::dict& arrays)
 		}
 		columns.push_back(columnFrom(arrays[column.name], column, points, dimension));
 		unknown.remove(column.name);
+		const auto& numbers = columns.back();
+		if (std::string(column.name) == "stress" && std::any_of(numbers.begin(), numbers.end(), [](double s) { return std::isnan(s); }))
+			throw std::invalid_argument("MpmEngine.addPoints: stress is nan: give finite numbers in Pa, or leave stress out for none.");
 		if (std::string(column.name) == "skeleton") requireWholeNumbers(columns.back(), "skeleton", "the number of a law in skeletons");
 	}
 	std::vector<double> materials { 0.0 };
