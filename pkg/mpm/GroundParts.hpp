@@ -242,7 +242,6 @@ template <int D> struct Ground<D>::Parts {
 	void pushByBoundaries(const StepContext<D>& step);
 	void seep(const StepContext<D>& step);
 	void feedWater(const StepContext<D>& step);
-	void findLinks(const StepContext<D>& step);
 	void findImplicitPressure(const StepContext<D>& step);
 
 	// ---- g2p ------------------------------------------------------------------------------------------------------------

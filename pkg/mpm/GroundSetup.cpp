@@ -148,7 +148,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());
 	if (implicit) {
-		implicit->bind(*points);
+		implicit->bind(*points, motion->velocity);
 		implicit->allocate(grid, std::any_of(settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->feeds(); }));
 	}
 	listReadArrays();

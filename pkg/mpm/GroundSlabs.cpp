@@ -37,7 +37,7 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 	if (momentum) momentum->keepOnly(first, last);
 	if (heat) heat->keepOnly(first, last);
 	if (water) water->keepOnly(halo, begin, end);
-	if (implicit) implicit->keepOnly(halo);
+	if (implicit) implicit->keepOnly(halo, begin, end);
 	if (surface) surface->nodes.keepOnly(first, last);
 	if (cells) cells->keepOnly(halo, begin, end);
 	if (bodies) bodies->keepOnly(first, last);

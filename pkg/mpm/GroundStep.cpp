@@ -39,7 +39,7 @@ template <int D> void Ground<D>::p2g()
 	if (g.cells) g.cost.time(CostMeter::cells, [&] { g.locateInCells(); });
 	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
 	g.mapToGrid(step);
-	if (g.implicit) g.cost.time(CostMeter::water, [&] { g.findLinks(step); });
+	if (g.implicit) g.cost.time(CostMeter::water, [&] { g.implicit->findLinks(step, *g.cells, *g.shape, *g.water); });
 	if (g.surface) g.cost.time(CostMeter::surface, [&] { g.collectSurfaces(step); });
 }
 
@@ -246,13 +246,6 @@ template <int D> void Ground<D>::Parts::addStress(const StepContext<D>& step, co
 	}
 }
 
-/// Between cells and nodes, for the implicit pressure and for loads on its ground.
-template <int D> void Ground<D>::Parts::findLinks(const StepContext<D>& step)
-{
-	implicit->findLinks(step, *cells, *shape, *water);
-	if (surface) implicit->giveArea(step, *surface);
-}
-
 template <int D> void Ground<D>::Parts::collectSurfaces(const StepContext<D>& step)
 {
 	if (bodies) bodies->cover(step, *shape, *surface);
@@ -392,9 +385,9 @@ template <int D> void Ground<D>::Parts::findImplicitPressure(const StepContext<D
 {
 	waterRests = false;
 	feedWater(step);
-	implicit->beginFlow(step, *motion, *water, liquidDensity());
+	implicit->beginFlow(step, *water, liquidDensity());
 	overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
-		implicit->drain(step, patch, boundary.pressure(step.calendarEnd), boundary.recharges(), *water);
+		implicit->drain(step, patch, boundary.pressure(step.calendarEnd), boundary.recharges());
 	});
 	implicit->solve(step, *momentum, *motion, *water, liquidDensity());
 	if (settings.energyLedger) implicit->bookDissipation(step);
@@ -496,7 +489,7 @@ template <int D> void Ground<D>::Parts::receiveWater(const StepContext<D>& step,
 	const Vec<D> lost = water->receive(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr, motion->velocity);
 	for (int a = 0; a < D; ++a)
 		step.ledger.ofStrip(strip).momentumOut[a] += lost[a];
-	if (implicit) implicit->giveSeepage(*cells, first, last);
+	if (implicit) implicit->giveToPoints(*cells, step.dt, first, last);
 }
 
 /// Effects in files of their own follow the strain of a strip.

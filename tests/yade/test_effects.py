@@ -34,7 +34,7 @@ scenes = {
 	"motion and water": (water, pointsAlone | ofMotion | ofContent | ofWater, nodesOfMotion | nodesOfWater, {"wave", "velocity"}),
 	"motion and water of implicit pressure": (
 		{**motion, "bBar": True, "water": lambda: PoreWater(pressure="implicit")},
-		pointsAlone | ofMotion | ofContent | ofWater | {"seepageVelocity"},
+		pointsAlone | ofMotion | ofContent | ofWater | {"seepageVelocity", "groundAcceleration"},
 		nodesOfMotion | nodesOfWater,
 		{"wave", "velocity"},
 	),

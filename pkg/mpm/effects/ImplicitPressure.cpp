@@ -23,12 +23,17 @@ namespace {
 template <int D>
 ImplicitPressure<D>::ImplicitPressure(PointFields& fields)
         : seepageField_(fields.declare("seepageVelocity", "water", "m/s", D))
+        , accelerationField_(fields.declare("groundAcceleration", "water", "m/s^2", D))
 {}
 
-template <int D> void ImplicitPressure<D>::bind(MaterialPoints<D>& points)
+template <int D> void ImplicitPressure<D>::bind(MaterialPoints<D>& points, const std::array<double*, D>& solidVelocity)
 {
-	for (int a = 0; a < D; ++a)
-		seepage[a] = points.fields().component(seepageField_, a);
+	for (int a = 0; a < D; ++a) {
+		seepage[a]       = points.fields().component(seepageField_, a);
+		acceleration_[a] = points.fields().component(accelerationField_, a);
+		velocity_[a]     = solidVelocity[a];
+		startVelocity_[a].reset(points.count());
+	}
 }
 
 template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid, bool fed)
@@ -48,7 +53,6 @@ template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid, bool fe
 	multigrid_.allocate(grid);
 	for (auto* field : { &response_, &force_, &moved_ })
 		field->allocate(grid.nodeCount());
-	carried_.reset(grid.nodeCount());
 	open_.assign(grid.nodeCount(), Vec<D> {});
 	for (int a = 0; a < D; ++a)
 		for (auto* beside : { &next_[a], &before_[a] }) {
@@ -105,9 +109,6 @@ void ImplicitPressure<D>::addContent(
 	content.overFills(first, last, temperature, [&](int p, double excess, double compliance) {
 		Cell&        c    = cells_[cells.cell(p)];
 		const double mass = content.liquidMass(p);
-		double       up   = 0.0;
-		for (int a = 0; a < D; ++a)
-			up -= water.weight[a] * points.position(a)[p];
 		c.liquidMass += mass;
 		c.drag += water.drag[p];
 		const double opens = mass * mass / water.drag[p];
@@ -120,11 +121,13 @@ void ImplicitPressure<D>::addContent(
 		c.excess += excess;
 		c.compliance += compliance;
 		c.pressure += volume[p] * water.pressure[p];
-		c.height += mass * up;
 		c.warmth += temperature ? mass * temperature[p] : 0.0;
 		for (int a = 0; a < D; ++a) {
 			c.carried[a] += mass * water.velocity[a][p];
 			c.middle[a] += volume[p] * points.position(a)[p];
+			c.place[a] += mass * points.position(a)[p];
+			c.weight[a] -= mass * acceleration_[a][p];
+			startVelocity_[a][p] = velocity_[a][p];
 		}
 	});
 }
@@ -157,7 +160,7 @@ void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<
 	constexpr int  atOnce = blockSize / 2;
 	const Grid<D>& grid   = step.grid;
 	step.halo.overCells([&](int first, int last) {
-		double                       places[D][blockSize];
+		double                       places[D][blockSize], parts[D][blockSize];
 		std::array<const double*, D> x;
 		for (int a = 0; a < D; ++a)
 			x[a] = places[a];
@@ -167,7 +170,7 @@ void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<
 		const auto              link = [&] {
                         shape.evaluate(grid, x, 0, 2 * count, w);
                         for (int k = 0; k < count; ++k)
-                                linkCell(of[k], w, 2 * k, water);
+                                linkCell(of[k], w, 2 * k, parts, water);
                         count = 0;
 		};
 		for (int c = first; c < last; ++c) {
@@ -177,27 +180,33 @@ void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<
 			cell.fill = std::min(1.0, cell.volume / cellVolume_);
 			findMiddle(grid, c);
 			of[count] = c;
-			for (int a = 0; a < D; ++a)
+			for (int a = 0; a < D; ++a) {
+				// slopes of shape functions have kinks in the middle of the cell
+				const double middle = cell.middle[a], half = std::max(0.5 * cell.fill, 0.5 - std::abs(middle)),
+				             kink = std::clamp(0.0, middle - half, middle + half);
 				for (const int side : { 0, 1 }) {
-					const double wide = 1.0 - 2.0 * std::abs(cell.middle[a]), place = grid.place(c, a) + 0.5 + cell.middle[a];
-					places[a][2 * count + side] = grid.lower()[a] + spacing_ * (place + (side ? 0.25 : -0.25) * wide);
+					const double end            = middle + (side ? half : -half);
+					parts[a][2 * count + side]  = 0.5 * std::abs(end - kink) / half;
+					places[a][2 * count + side] = grid.lower()[a] + spacing_ * (grid.place(c, a) + 0.5 + 0.5 * (kink + end));
 				}
+			}
 			if (++count == atOnce) link();
 		}
 		if (count > 0) link();
 	});
 }
 
-/// Means over the 2^D places of a cell. They are products of means over two places along each axis, those of points k and k + 1 of a block.
-template <int D> void ImplicitPressure<D>::linkCell(int c, const WeightBlock<D>& w, int k, const PoreWater<D>& water)
+/// Means over the 2^D places of a cell. They are products of means over two places along each axis, those of points k and k + 1 of a block, to which
+/// these parts of the ground belong.
+template <int D> void ImplicitPressure<D>::linkCell(int c, const WeightBlock<D>& w, int k, const double (&parts)[D][blockSize], const PoreWater<D>& water)
 {
 	double value[D][4] = {}, slope[D][4] = {};
 	for (int at = k; at < k + 2; ++at) {
 		const int corner = cornerOf(c, w.base[at]);
 		for (int a = 0; a < D; ++a)
 			for (int i = 0; i < supportNodes; ++i) {
-				value[a][corner / step_[a] % 4 + i] += 0.5 * w.value[a][i][at];
-				slope[a][corner / step_[a] % 4 + i] += 0.5 * w.slope[a][i][at];
+				value[a][corner / step_[a] % 4 + i] += parts[a][at] * w.value[a][i][at];
+				slope[a][corner / step_[a] % 4 + i] += parts[a][at] * w.slope[a][i][at];
 			}
 	}
 	double* const b = link(c);
@@ -231,21 +240,6 @@ template <int D> void ImplicitPressure<D>::foldLinks(int c, const double* volume
 	}
 }
 
-template <int D> void ImplicitPressure<D>::giveArea(const StepContext<D>& step, FreeSurface<D>& surface) const
-{
-	const ActiveRange& range  = step.halo;
-	const auto         mapped = [&](int node) { return range.holds(node) && surface.nodes[node][FreeSurface<D>::Record::volume] > 0.0; };
-	for (int i = range.firstNode; i < range.lastNode; ++i)
-		for (int a = 0; a < D && mapped(i); ++a)
-			surface.nodes[i][a] = 0.0;
-	for (int c = range.firstCell; c < range.lastCell; ++c)
-		for (int k = 0; k < corners && cells_[c].volume > 0.0; ++k)
-			if (const int node = baseNodes_[c] + nodeOffset_[k]; mapped(node))
-				for (int a = 0; a < D; ++a)
-					surface.nodes[node][a] += link(c)[k * D + a];
-	foldImages(*images_, D, [&](int node) { return surface.nodes[node]; });
-}
-
 // ---- flow between cells ---------------------------------------------------------------------------------------------------
 
 template <int D> void ImplicitPressure<D>::tieLiquid(const StepContext<D>& step, PoreWater<D>& water)
@@ -254,24 +248,6 @@ template <int D> void ImplicitPressure<D>::tieLiquid(const StepContext<D>& step,
 		for (int i = first; i < last; ++i) {
 			water.nodes[i][PoreWater<D>::dragAt] = water.nodes[i][PoreWater<D>::massAt] / (leftOfDifference * step.dt);
 			std::fill_n(water.force[i], D, 0.0);
-		}
-	});
-}
-
-/// What falls freely does not flow: the part of its weight that a node does not follow.
-template <int D> void ImplicitPressure<D>::findCarried(const ActiveRange& range, const SolidMotion<D>& motion, double dt)
-{
-	const Vec<D> g      = motion.settings->gravity;
-	const double square = dot<D>(g, g);
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			const double* r = motion.nodes[i];
-			carried_[i]     = 1.0;
-			if (!(r[motion.massAt] > 0.0) || square == 0.0) continue;
-			double along = 0.0;
-			for (int a = 0; a < D; ++a)
-				along += g[a] * (motion.solved[i][motion.velocityAt + a] - r[motion.momentumAt + a] / r[motion.massAt]) / dt;
-			carried_[i] = 1.0 - std::clamp(along / square, 0.0, 1.0);
 		}
 	});
 }
@@ -287,14 +263,14 @@ template <int D> template <class Work> void ImplicitPressure<D>::overCorners(con
 	}
 }
 
-/// Of the face between a cell and the next one along an axis.
-template <int D> double ImplicitPressure<D>::carriedAt(const Grid<D>& grid, int cell, int axis) const
+/// Pressure by which the weight of water drives it between the middles of the liquid of two cells, of which the second is farther away along an axis by
+/// some way than its place says [Pa].
+template <int D> double ImplicitPressure<D>::weightBetween(const Cell& from, const Cell& to, int axis, double farther)
 {
 	double sum = 0.0;
-	overCorners(grid, cell, [&](int node, int corner) {
-		if (corner >> axis & 1) sum += carried_[node];
-	});
-	return sum / (1 << (D - 1));
+	for (int a = 0; a < D; ++a)
+		sum += 0.5 * (from.weight[a] + to.weight[a]) * (to.place[a] - from.place[a] + (a == axis ? farther : 0.0));
+	return sum;
 }
 
 /// Mobility of the half of a cell before its neighbour. What has thawed in a cell lies on the side of the thawed neighbour: a layer whose water has
@@ -334,7 +310,7 @@ template <int D> double ImplicitPressure<D>::thawedPart(const ActiveRange& range
 }
 
 /// Cells that a thaw front passes, and the pressure of their thawed layer, eq. (7.6).
-template <int D> void ImplicitPressure<D>::findLayers(const ActiveRange& range, const PoreWater<D>& water)
+template <int D> void ImplicitPressure<D>::findLayers(const ActiveRange& range)
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
@@ -343,7 +319,7 @@ template <int D> void ImplicitPressure<D>::findLayers(const ActiveRange& range, 
 			double frozenPressure = 0.0, lowest = cell.pressure;
 			for (int a = 0; a < D; ++a)
 				for (const int side : { -1, 1 }) {
-					const double weight = side * water.weight[a] * spacing_;
+					const double weight = side * cell.weight[a] * spacing_;
 					if (const int before = wetCell(range, c, a, side); before >= 0)
 						lowest = std::min(lowest, cells_[before].pressure - weight);
 					const double part = thawedPart(range, c, a, side);
@@ -385,7 +361,7 @@ template <int D> double ImplicitPressure<D>::coveredAt(const ActiveRange& range,
 	return next < range.firstCell || next >= range.lastCell ? 0.0 : faces_[axis][side > 0 ? c : next].covered;
 }
 
-template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water)
+template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range)
 {
 	for (int a = 0; a < D; ++a)
 		range.overCells([&](int first, int last) {
@@ -402,9 +378,8 @@ template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const 
 				const double before = 0.5 - here.middle[a], behind = 0.5 + there.middle[a],
 				             farther = std::max(1.0, leastFill / (before + behind));
 				f.conductance        = faceArea_ / spacing_ * f.covered / (farther * (before / from + behind / to));
-				// behind a periodic side heights go on
-				const double goesOn = next_[a][c] <= c ? water.weight[a] * grid.width(a) : 0.0;
-				f.weight            = carriedAt(grid, c, a) * (here.height - there.height + goesOn) + here.drivingExcess - there.drivingExcess;
+				const double goesOn  = next_[a][c] <= c ? grid.width(a) : 0.0; // behind a periodic side places go on
+				f.weight             = weightBetween(here, there, a, goesOn) + here.drivingExcess - there.drivingExcess;
 			}
 		});
 }
@@ -426,7 +401,7 @@ template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surf
 	return s;
 }
 
-template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
+template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step, const PoreWater<D>& water, double liquidDensity)
 {
 	const Grid<D>&     grid   = step.grid;
 	const ActiveRange& range  = step.halo;
@@ -444,7 +419,11 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 			cell.layer = cell.open / (part * part);
 			cell.thawed /= liquidDensity * liquidDensity * cell.volume;
 			cell.pressure /= cell.volume;
-			cell.height /= cell.liquidMass;
+			for (int a = 0; a < D; ++a) {
+				cell.place[a] /= cell.liquidMass;
+				cell.weight[a] = water.weight[a] + liquidDensity * cell.weight[a] / cell.liquidMass;
+			}
+			cell.recent        = -std::expm1(-dt * cell.drag / cell.liquidMass);
 			cell.lowest        = lowest;
 			cell.drivingExcess = water.drivingExcess(c);
 			cell.state         = cell.pressure > lowest || cell.excess > cell.compliance * lowest ? wet : cavitated;
@@ -452,9 +431,8 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 		}
 	});
 	findSquares(range);
-	findLayers(range, water);
-	findCarried(range, motion, dt);
-	findFaces(grid, range, water);
+	findLayers(range);
+	findFaces(grid, range);
 	exposed_.clear();
 	for (int c = step.owned.firstCell; c < step.owned.lastCell; ++c) {
 		if (cells_[c].state == none) continue;
@@ -475,13 +453,13 @@ template <int D> double ImplicitPressure<D>::openAt(const Grid<D>& grid, int c, 
 }
 
 /// area over that of a face; distance from the middle of the ground [spacings].
-template <int D>
-void ImplicitPressure<D>::drainThrough(
-        Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges, const PoreWater<D>& water) const
+template <int D> void ImplicitPressure<D>::drainThrough(Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges) const
 {
 	if (area == 0.0) return;
 	const double way    = spacing_ * std::max(distance, 0.5 * leastFill);
-	const double drives = cell.drivingExcess - outside + way * dot<D>(water.weight, outward);
+	double       drives = cell.drivingExcess - outside;
+	for (int a = 0; a < D; ++a)
+		drives += way * cell.weight[a] * outward[a];
 	if (!recharges && !(cell.base + drives > 0.0)) return;
 	const double conductance = cell.open * faceArea_ / way * area;
 	cell.drained += conductance;
@@ -490,8 +468,7 @@ void ImplicitPressure<D>::drainThrough(
 		cell.leaves[a] += conductance * outward[a];
 }
 
-template <int D>
-void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water)
+template <int D> void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges)
 {
 	const Grid<D>&     grid  = step.grid;
 	const ActiveRange& range = step.halo;
@@ -507,9 +484,7 @@ void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D
 				if ((side > 0 ? next_ : before_)[a][c] >= 0) continue;
 				Vec<D> outward {};
 				outward[a] = side;
-				drainThrough(
-				        cell, section(cell, a, side) * openAt(grid, c, outward), 0.5 - side * cell.middle[a], outward, outside, recharges,
-				        water);
+				drainThrough(cell, section(cell, a, side) * openAt(grid, c, outward), 0.5 - side * cell.middle[a], outward, outside, recharges);
 			}
 		const Surface surface = surfaceIn(range, c);
 		const double  area    = lengthOf<D>(surface.area);
@@ -517,7 +492,7 @@ void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D
 		Vec<D> outward;
 		for (int a = 0; a < D; ++a)
 			outward[a] = surface.area[a] / area;
-		drainThrough(cell, area * openAt(grid, c, outward), surface.distance, outward, outside, recharges, water);
+		drainThrough(cell, area * openAt(grid, c, outward), surface.distance, outward, outside, recharges);
 	}
 	for (const SurfaceNode<D>& n : patch.nodes)
 		open_[n.node] = {};
@@ -840,11 +815,15 @@ template <int D> void ImplicitPressure<D>::findSeepage(const ActiveRange& range,
 	});
 }
 
-template <int D> void ImplicitPressure<D>::giveSeepage(const CellMeans<D>& cells, int first, int last)
+template <int D> void ImplicitPressure<D>::giveToPoints(const CellMeans<D>& cells, double dt, int first, int last)
 {
-	for (int p = first; p < last; ++p)
-		for (int a = 0; a < D; ++a)
-			seepage[a][p] = cells_[cells.cell(p)].flows[a];
+	for (int p = first; p < last; ++p) {
+		const Cell& cell = cells_[cells.cell(p)];
+		for (int a = 0; a < D; ++a) {
+			seepage[a][p] = cell.flows[a];
+			acceleration_[a][p] += cell.recent * ((velocity_[a][p] - startVelocity_[a][p]) / dt - acceleration_[a][p]);
+		}
+	}
 }
 
 template <int D>
@@ -869,7 +848,7 @@ void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& m
 	momentum.correct(step.halo, motion, water, force_, response_, dt, step.ledger);
 }
 
-template <int D> void ImplicitPressure<D>::keepOnly(const ActiveRange& range)
+template <int D> void ImplicitPressure<D>::keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
 {
 	const std::size_t first = range.firstCell, last = range.lastCell;
 	cells_.keepOnly(first, last);
@@ -882,7 +861,8 @@ template <int D> void ImplicitPressure<D>::keepOnly(const ActiveRange& range)
 	multigrid_.keepOnly(range);
 	for (auto* field : { &response_, &force_, &moved_ })
 		field->keepOnly(range.firstNode, range.lastNode);
-	carried_.keepOnly(range.firstNode, range.lastNode);
+	for (auto& values : startVelocity_)
+		values.keepOnly(firstPoint, endPoint);
 }
 
 template <int D> void ImplicitPressure<D>::bookDissipation(const StepContext<D>& step) const

@@ -31,13 +31,13 @@ namespace talik {
 template <int D> class ImplicitPressure {
 public:
 	explicit ImplicitPressure(PointFields& fields);
-	void bind(MaterialPoints<D>& points);
+	void bind(MaterialPoints<D>& points, const std::array<double*, D>& solidVelocity);
 	/// fed: a boundary gives water to nodes.
 	void allocate(const Grid<D>& grid, bool fed);
 	bool isFed() const { return fed_; }
 	void clear(const ActiveRange& range);
 	/// Only nodes and cells of this part are used from now on; all others are zero and take no memory.
-	void keepOnly(const ActiveRange& range);
+	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint);
 	/// What points add to their cells in addContent() and in map().
 	void shareContent(HaloExchange& rows) { rows.cells(cells_.data()); }
 	void shareLiquids(HaloExchange& rows) { rows.cells(reinterpret_cast<std::array<double, corners>*>(liquids_.data())); }
@@ -48,25 +48,24 @@ public:
 	/// The liquid that the nodes share, in ground that is fed.
 	void map(const WeightBlock<D>& w, const CellMeans<D>& cells, const PoreContent<D>& content);
 	/// The divergence of each cell by its nodes: not that of its points, whose sums are as far from the integral as they do not lie evenly, but of 2^D
-	/// points of equal volume that lie evenly about the middle of its ground. Forces of one pressure then add up to nothing within the ground.
+	/// places in the middles of the halves of its ground. Forces of one pressure then add up to nothing within the ground.
 	void findLinks(const StepContext<D>& step, const CellMeans<D>& cells, const ShapeFunction<D>& shape, const PoreWater<D>& water);
-	/// Area of the surface as the pressure sees it, in place of that of the points.
-	void giveArea(const StepContext<D>& step, FreeSurface<D>& surface) const;
 
 	/// The liquid of the nodes moves with their grains: its drag leaves no difference by the end of the step. Before nodes are solved.
 	static void tieLiquid(const StepContext<D>& step, PoreWater<D>& water);
 	/// Means of the cells and conductances between them, when nodes are solved.
-	void beginFlow(const StepContext<D>& step, const SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
+	void beginFlow(const StepContext<D>& step, const PoreWater<D>& water, double liquidDensity);
 	/// Faces of the surface of the ground through which water flows to a pressure outside [Pa].
-	void drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges, const PoreWater<D>& water);
+	void drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges);
 	/// Solves for the pressure, and corrects the velocities of the nodes.
 	void solve(const StepContext<D>& step, MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity);
 	/// What the flow between cells loses by drag.
 	void bookDissipation(const StepContext<D>& step) const;
 	/// Adds what flows to the exchange of the cells.
 	void exchange(const StepContext<D>& step, PoreWater<D>& water, const LiquidOfGround& liquid);
-	/// Seepage velocity of points, by what flowed between cells.
-	void giveSeepage(const CellMeans<D>& cells, int first, int last);
+	/// Seepage velocity of points, by what flowed between cells, and the acceleration of their ground as water feels it: its mean over the time
+	/// m_l/Q in which drag brings water to rest in the ground, eq. (7.11).
+	void giveToPoints(const CellMeans<D>& cells, double dt, int first, int last);
 	/// The pressure of the cells, for their points.
 	void givePressure(const ActiveRange& range, PoreWater<D>& water) const;
 
@@ -78,7 +77,10 @@ private:
 	static constexpr int inRow   = 4 * D;            ///< numbers of a row of four nodes, which follow each other in memory
 	/// Sums over the points of a cell, and means of them once the flow begins.
 	struct Cell {
-		double liquidMass, drag, excess, compliance, pressure, height, warmth, carried[D];
+		double liquidMass, drag, excess, compliance, pressure, warmth, carried[D];
+		double place[D];        ///< of the liquid [m]
+		double weight[D];       ///< of water in ground that accelerates, rho_l (b - a) [N/m^3]
+		double recent;          ///< share of this step in the acceleration that water feels
 		double open, opensWell; ///< sum V times the mobility of each point, of layers beside each other; and times its square
 		double layer;           ///< mobility of the way out of a layer that is open
 		double ice;             ///< [kg]
@@ -104,29 +106,28 @@ private:
 	double*       link(int cell) { return links_.data() + std::size_t(cell) * corners * D; }
 	const double* link(int cell) const { return links_.data() + std::size_t(cell) * corners * D; }
 	bool          hasNext(const ActiveRange& range, int cell, int axis) const { return next_[axis][cell] >= 0 && next_[axis][cell] < range.lastCell; }
-	void          linkCell(int cell, const WeightBlock<D>& w, int k, const PoreWater<D>& water);
+	void          linkCell(int cell, const WeightBlock<D>& w, int k, const double (&parts)[D][blockSize], const PoreWater<D>& water);
 	void          foldLinks(int cell, const double* volumes, const PoreWater<D>& water);
 	/// Place of a node among the corners of a cell.
 	int           cornerOf(int cell, int node) const;
+	static double weightBetween(const Cell& from, const Cell& to, int axis, double farther);
 	static double wayFrom(const Cell& cell, const Cell& neighbour);
 	int           wetCell(const ActiveRange& range, int cell, int axis, int by) const;
 	double        thawedPart(const ActiveRange& range, int cell, int axis, int side) const;
-	void          findLayers(const ActiveRange& range, const PoreWater<D>& water);
-	void          findCarried(const ActiveRange& range, const SolidMotion<D>& motion, double dt);
+	void          findLayers(const ActiveRange& range);
 	void          findMiddle(const Grid<D>& grid, int cell);
 	double        section(const Cell& cell, int axis, int side) const;
 	double        coveredAt(const ActiveRange& range, int cell, int axis, int side) const;
-	void          findFaces(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water);
+	void          findFaces(const Grid<D>& grid, const ActiveRange& range);
 	/// Surface of the ground in a cell: its area vector over the area of a face, and how far it lies from the middle of the ground, in spacings.
 	struct Surface {
 		Vec<D> area;
 		double distance;
 	};
-	Surface surfaceIn(const ActiveRange& range, int cell) const;
-	double  openAt(const Grid<D>& grid, int cell, const Vec<D>& outward) const;
-	void    drainThrough(Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges, const PoreWater<D>& water) const;
+	Surface                    surfaceIn(const ActiveRange& range, int cell) const;
+	double                     openAt(const Grid<D>& grid, int cell, const Vec<D>& outward) const;
+	void                       drainThrough(Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges) const;
 	template <class Work> void overCorners(const Grid<D>& grid, int cell, Work&& work) const;
-	double                     carriedAt(const Grid<D>& grid, int cell, int axis) const;
 	/// Force of pressures on the nodes.
 	void forces(const ActiveRange& range, const double* x, NodeField<D>& force) const;
 	/// sum B v of a cell.
@@ -151,32 +152,33 @@ private:
 	bool                          changeStates(const StepContext<D>& step);
 	void                          findMoved(const ActiveRange& range, double dt);
 
-	PagedArray<Cell>                 cells_;
-	std::array<PagedArray<int>, D>   next_, before_; ///< of each cell, those beside it along an axis; -1: none
-	PagedArray<int>                  baseNodes_;
-	PagedArray<unsigned char>        squares_; ///< see findSquares()
-	PagedArray<double>               links_;   ///< sum V grad S of each cell at its nodes
-	PagedArray<double>               liquids_; ///< sum m_l S of each cell at its nodes, in ground that is fed
-	std::array<PagedArray<Face>, D>  faces_;
-	std::array<int, corners>         nodeOffset_ {};
-	std::array<int, supportCount<D>> within_ {};            ///< place of a node of a point's support among the corners
-	std::array<int, corners>         inward_ {};            ///< of each corner, the nearest one on the cell itself
-	std::array<int, D>               byStride_ {};          ///< axes, the slowest first
-	std::array<int, D>               strides_ {}, step_ {}; ///< from a node to the next one along an axis, on the grid and among the corners
-	std::array<int, corners / 4>     rowOffset_ {};
-	int                              cellsOfRow_ = 1;
-	PagedArray<double>               change_, residual_, initial_, direction_, image_, preconditioned_;
-	Multigrid                        multigrid_;
-	NodeField<D>                     response_, force_, moved_;
-	PagedArray<double>               carried_; ///< part of the weight of a node that stress carries [-]
-	std::vector<Vec<D>>              open_;    ///< direction in which water may leave at a node; the faces of a slope then have its area
-	std::vector<int>                 exposed_; ///< cells with a face without ground behind it
-	std::vector<double>              partial_;
-	double                           checkerboard_ = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
-	double                           cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0;
-	PointFields::Handle              seepageField_;
-	bool                             fed_    = false;
-	const std::vector<NodeImage>*    images_ = nullptr; ///< nodes that periodic sides repeat
+	PagedArray<Cell>                  cells_;
+	std::array<PagedArray<int>, D>    next_, before_; ///< of each cell, those beside it along an axis; -1: none
+	PagedArray<int>                   baseNodes_;
+	PagedArray<unsigned char>         squares_; ///< see findSquares()
+	PagedArray<double>                links_;   ///< sum V grad S of each cell at its nodes
+	PagedArray<double>                liquids_; ///< sum m_l S of each cell at its nodes, in ground that is fed
+	std::array<PagedArray<Face>, D>   faces_;
+	std::array<int, corners>          nodeOffset_ {};
+	std::array<int, supportCount<D>>  within_ {};            ///< place of a node of a point's support among the corners
+	std::array<int, corners>          inward_ {};            ///< of each corner, the nearest one on the cell itself
+	std::array<int, D>                byStride_ {};          ///< axes, the slowest first
+	std::array<int, D>                strides_ {}, step_ {}; ///< from a node to the next one along an axis, on the grid and among the corners
+	std::array<int, corners / 4>      rowOffset_ {};
+	int                               cellsOfRow_ = 1;
+	PagedArray<double>                change_, residual_, initial_, direction_, image_, preconditioned_;
+	Multigrid                         multigrid_;
+	NodeField<D>                      response_, force_, moved_;
+	std::vector<Vec<D>>               open_;    ///< direction in which water may leave at a node; the faces of a slope then have its area
+	std::vector<int>                  exposed_; ///< cells with a face without ground behind it
+	std::vector<double>               partial_;
+	double                            checkerboard_ = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
+	double                            cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0;
+	PointFields::Handle               seepageField_, accelerationField_;
+	std::array<double*, D>            velocity_, acceleration_;
+	std::array<PagedArray<double>, D> startVelocity_; ///< of the ground of points at the start of the step [m/s]
+	bool                              fed_    = false;
+	const std::vector<NodeImage>*     images_ = nullptr; ///< nodes that periodic sides repeat
 };
 
 extern template class ImplicitPressure<2>;
