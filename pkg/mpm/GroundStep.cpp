@@ -556,12 +556,15 @@ template <int D> void Ground<D>::Parts::refuseImpossibleStates(const StepContext
 /// The skeleton laws get the strain of the soil in place of that of the ground, until restoreStrainOfGround().
 template <int D> void Ground<D>::Parts::findStrainOfSoil(const StepContext<D>& step)
 {
-	if (segregation) cost.time(CostMeter::segregation, [&] { segregation->release(*thawStrain); });
+	if (segregation)
+		cost.time(CostMeter::segregation, [&] {
+			segregation->release(*thawStrain);
+			segregation->part(*cells, *motion); // first: what a lens opens is no room that pore ice makes
+		});
 	cost.time(CostMeter::thawStrain, [&] {
 		closeThawStrain(step);
 		if (compression) compressThawed(step);
 	});
-	if (segregation) cost.time(CostMeter::segregation, [&] { segregation->part(*cells, *motion); });
 }
 
 template <int D> void Ground<D>::Parts::closeThawStrain(const StepContext<D>& step)
@@ -606,9 +609,9 @@ template <int D> std::exception_ptr Ground<D>::Parts::updateSkeletons(const Step
 /// In the reverse order of findStrainOfSoil().
 template <int D> void Ground<D>::Parts::restoreStrainOfGround()
 {
-	if (segregation) segregation->restoreGradients(*motion);
 	if (compression) compression->restoreGradients(motion->gradient);
 	thawStrain->restoreGradients(motion->gradient);
+	if (segregation) segregation->restoreGradients(*motion);
 }
 
 template <int D> void Ground<D>::Parts::bookStep() { clock.account.add(ledger.sum(ranks.slabs())); }
