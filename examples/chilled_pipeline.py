@@ -67,7 +67,7 @@ ground = dict(
 	temperature=warm,
 	pressure=lambda x, y: 9810 * (depth - y),
 )
-talik.layers.fill(mpm, {"silt": ground}, lateralRatio=0.5)
+talik.layers.fill(mpm, {"silt": ground}, lateralRatio=0.5, pointsPerCell=4)  # the first frozen ring is thinner than a cell
 O.engines = [ForceResetter(), mpm, NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.4)]
 O.step()
 
