@@ -187,7 +187,7 @@ def thawingSlope(dimension, spacing, temperature, **settings):
 	)
 	ground = slopeOutline if dimension == 2 else talik.solids.extruded(slopeOutline, 0, spacing)
 	atStart = lambda *x: temperature(np.interp(x[0], [2, 3.5], [2, 0.5]) - x[-1])
-	talik.geometry.fill(mpm, ground, porosity=porosity, temperature=atStart)
+	talik.geometry.fill(mpm, ground, pointsPerCell=2**dimension, porosity=porosity, temperature=atStart)
 	O.engines = [mpm]
 	return mpm
 
