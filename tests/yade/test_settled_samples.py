@@ -37,7 +37,7 @@ def column(packed, **settings):
 			wrapper.SurfaceLoad(region="surface", pressure=load),
 		],
 	)
-	talik.geometry.fill(mpm, block, temperature=-5)
+	talik.geometry.fill(mpm, block, pointsPerCell=4, temperature=-5)
 	O.engines = [mpm]
 	return mpm
 
