@@ -66,7 +66,7 @@ def fill(mpm, polygon, pointsPerCell=None, holes=(), **attributes):
 	solid = polygon if isinstance(polygon, Solid) else None
 	_checkDimension(mpm, solid)
 	if pointsPerCell is None:
-		pointsPerCell = 1 if mpm.freezing is not None else 4 if solid is None else 8
+		pointsPerCell = 1 if getattr(mpm, "freezing", None) is not None else 4 if solid is None else 8
 	if solid is None:
 		positions, volumes = fillPolygon(polygon, mpm.gridSpacing, pointsPerCell, _gridOrigin(mpm, 2), holes)
 	else:

@@ -524,8 +524,8 @@ class SurfaceTable(_Table):
 	path       of the file
 	everyDays  time between two sets of lines [d of the calendar], above 0
 
-	x [m] and settlement [m] are those of the point that is uppermost in its column at the start: settlement is its way down, negative where it heaves. thaw
-	depth [m] is talik.thermal.thawDepth there, nan where the column has thawed through or there is no heat. Its engine stands behind the ground in O.engines.
+	x [m] and settlement [m] are those of the surface above the point that is uppermost in its column at the start: settlement is the way down of the point
+	and half of what the point has lost in height, negative where the surface heaves. thaw depth [m] is talik.thermal.thawDepth there, nan where the column has thawed through or there is no heat. Its engine stands behind the ground in O.engines.
 
 	>>> table = talik.output.SurfaceTable(mpm, folder + "/surface.csv", everyDays=1)
 	>>> O.engines = O.engines + [table.engine]
@@ -541,13 +541,14 @@ class SurfaceTable(_Table):
 		column = np.floor((position[:, 0] - position[:, 0].min()) / side + 0.5).astype(int)
 		order = np.lexsort((position[:, 1], column))
 		self.ids = order[np.append(np.diff(column[order]) > 0, True)]  # the highest of each column
-		self.before = mpm.field("displacement")[self.ids, 1]
+		self.side = np.sqrt(mpm.field("volume")[self.ids])
+		self.before = self._surface(mpm)
 		super().__init__(mpm, path, everyDays, ["x [m]", "settlement [m]", "thaw depth [m]"])
 
 	def take(self):
 		"""Adds the lines of the present state."""
 		x = self.mpm.field("position")[self.ids, 0]
-		settled = self.before - self.mpm.field("displacement")[self.ids, 1]
+		settled = self.before - self._surface(self.mpm)
 		depth = np.full(len(x), np.nan)
 		if self.mpm.heat is not None:
 			from talik import thermal
@@ -555,6 +556,10 @@ class SurfaceTable(_Table):
 			columns = thermal.thawDepth(self.mpm)
 			depth = columns["depth"][np.abs(x[:, None] - columns["place"]).argmin(axis=1)]
 		self._write(zip(x, settled, depth))
+
+	def _surface(self, mpm):
+		"""How far the upper face of each point has risen, up to a constant [m]."""
+		return mpm.field("displacement")[self.ids, 1] + 0.5 * mpm.field("volume")[self.ids] / self.side
 
 
 # --- summary ---------------------------------------------------------------------------------------------------------------

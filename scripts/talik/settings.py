@@ -48,7 +48,7 @@ def settlement(**changes):
 def heave(**changes):
 	"""Ground that freezes and heaves by ice segregation.
 
-	segregation             computed from conductivity, freezing curve and load. A measured potential: IceSegregation(segregationPotential=1e-9)
+	segregation             the potential of a silt (Devon silt has 6e-10 to 1.4e-9). Give that of the soil: IceSegregation(segregationPotential=…)
 	water, -50 kPa          suction lifts water to the front, so that pressure may fall below 0 (PoreWater.cavitationPressure)
 	hydraulicTimeScale 1e6  seepage keeps its ratio to freezing
 	damping 0.3, thawFront None, thermalTimeScale 1e6    as for settlement: nothing slides
@@ -56,7 +56,7 @@ def heave(**changes):
 	>>> talik.settings.heave()["water"].cavitationPressure
 	-50000.0"""
 	water = wrapper.PoreWater(cavitationPressure=-5e4, hydraulicTimeScale=scale)
-	return {**settlement(), **_with({"water": water, "segregation": wrapper.IceSegregation(), **changes})}
+	return {**settlement(), **_with({"water": water, "segregation": wrapper.IceSegregation(segregationPotential=1e-9), **changes})}
 
 
 def slope(**changes):

@@ -144,7 +144,9 @@ TEST(MpmGround, OnlyFieldsOfPresentEffectsExist)
 	EXPECT_EQ(owners({ false, true, false, false }), (Set { "points", "poreContent", "heat" }));
 	EXPECT_EQ(owners({ false, true, true, false }), (Set { "points", "poreContent", "heat", "freezing" }));
 	EXPECT_EQ(owners({ true, false, false, true }), (Set { "points", "motion", "poreContent", "water" }));
-	EXPECT_EQ(owners({ true, true, true, true }), (Set { "points", "motion", "poreContent", "heat", "freezing", "water", "thawStrain" })); // pore ice parts the grains
+	EXPECT_EQ(
+	        owners({ true, true, true, true }),
+	        (Set { "points", "motion", "poreContent", "heat", "freezing", "water", "thawStrain" })); // pore ice parts the grains
 }
 
 TEST(MpmGround, SaturatedFrozenBlockFallsFreelyInThreeDimensions)

@@ -136,11 +136,14 @@ struct SettlingColumn {
 			addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
 		}
 		Ground<2> ground(s);
-		fillBox(ground, { 0.0, 0.0 }, { spacing, height }, [&](PointInput<2>& p) {
-			p.material    = layerAt(layers, p.position[1]);
-			p.porosity    = layers[p.material].porosity;
-			p.temperature = -1.0;
-		}, perDirection);
+		fillBox(
+		        ground, { 0.0, 0.0 }, { spacing, height },
+		        [&](PointInput<2>& p) {
+			        p.material    = layerAt(layers, p.position[1]);
+			        p.porosity    = layers[p.material].porosity;
+			        p.temperature = -1.0;
+		        },
+		        perDirection);
 		ground.initialise();
 		return ground;
 	}

@@ -63,8 +63,10 @@ def test_saturated_level_ground_that_has_thawed_rests_with_the_weight_on_each_ro
 	before = rows(mpm, "displacement", 1)[0]
 	O.run(int(5 / O.dt), True)
 	later = 1e3 * (rows(mpm, "displacement", 1)[0] - before)
-	print(f"{pressure}, h {h} m: surface moved {moved:.2f} mm (due 0, tolerance 2), in 5 s more {later:.3f} mm (0, 0.1); total stress of rows over the weight "
-		f"above {worst:.3f} off (0, 0.1); water drawn in {drawn:.1f} kg/m2 (by hand {due:.1f}, tolerance 1 %)")
+	print(
+		f"{pressure}, h {h} m: surface moved {moved:.2f} mm (due 0, tolerance 2), in 5 s more {later:.3f} mm (0, 0.1); total stress of rows over the weight "
+		f"above {worst:.3f} off (0, 0.1); water drawn in {drawn:.1f} kg/m2 (by hand {due:.1f}, tolerance 1 %)"
+	)
 	assert abs(moved) < 2 and abs(later) < 0.1 and worst < 0.1 and abs(drawn / due - 1) < 0.01
 
 
@@ -112,8 +114,10 @@ def test_ground_over_permafrost_comes_back_to_its_height_every_summer(h, law):
 		talik.runUntilDay(mpm, 365 * (year + 1) + 60)
 		left.append(1e3 * rows(mpm, "displacement", 1)[0])
 		volumes.append(1e3 * (rows(mpm, "volume").sum() / h - start))
-	print(f"h {h} m: heave in winter {np.round(heaves, 1)} mm, left in late summer by the path of the surface {np.round(left, 2)} mm, by volume "
-		f"{np.round(volumes, 2)} mm; due 0, tolerance 5 mm of the path, 1 mm of the volume")
+	print(
+		f"h {h} m: heave in winter {np.round(heaves, 1)} mm, left in late summer by the path of the surface {np.round(left, 2)} mm, by volume "
+		f"{np.round(volumes, 2)} mm; due 0, tolerance 5 mm of the path, 1 mm of the volume"
+	)
 	assert min(heaves) > 15 and np.abs(left).max() < 5 and np.abs(volumes).max() < 1
 
 

@@ -146,7 +146,7 @@ private:
 	std::vector<int>           affected_;            ///< nodes whose heat the prescribed temperatures change
 	std::vector<double>        wanted_;              ///< temperature of the wall at each of them
 	std::vector<double>        expected_;            ///< mean temperature of the points around it that goes with this wall temperature
-	std::vector<double>        gradient_; ///< of temperature in front of each of them
+	std::vector<double>        gradient_;            ///< of temperature in front of each of them
 	std::array<double*, D>     position_ {};
 	NodeField<2>               received_;       ///< energy and nullSpaceResidual in one record, without water
 	double                     smoothed_ = 0.0; ///< part of the null-space differences that dies out in this step

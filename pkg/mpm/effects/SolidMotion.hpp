@@ -70,8 +70,8 @@ template <int D>
 template <class LiquidMass, class Push>
 void SolidMotion<D>::mapWeight(const WeightBlock<D>& w, double spacing, LiquidMass&& liquidMass, Push&& push)
 {
-	const Vec<D>& b = settings->gravity;
-	const int     n = layerNormal<D>(b);
+	const Vec<D>& b    = settings->gravity;
+	const int     n    = layerNormal<D>(b);
 	const double  cell = D == 2 ? spacing * spacing : spacing * spacing * spacing;
 	for (int k = 0; k < w.count; ++k) {
 		const double curvature = -0.5 * spacing * spacing * w.slope[n][0][k] * w.slope[n][2][k];

@@ -33,12 +33,12 @@ ThawStrain<D>::ThawStrain(PointFields& fields, const GroundSettings<D>& settings
 
 template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, int cells)
 {
-	points_           = &points;
+	points_                                           = &points;
 	down_[layerNormal<D>(settings_->motion->gravity)] = 1.0;
-	frozenSaturation_ = points.fields().component(frozenSaturationField_);
-	released_         = points.fields().component(releasedField_);
-	open_             = points.fields().component(openField_);
-	lastVolume_       = points.fields().component(lastVolumeField_);
+	frozenSaturation_                                 = points.fields().component(frozenSaturationField_);
+	released_                                         = points.fields().component(releasedField_);
+	open_                                             = points.fields().component(openField_);
+	lastVolume_                                       = points.fields().component(lastVolumeField_);
 	if (expansion_ > 0.0) {
 		widened_  = points.fields().component(widenedField_);
 		dilation_ = points.fields().component(dilationField_);
@@ -91,9 +91,9 @@ template <int D> void ThawStrain<D>::widen(const StepContext<D>& step, const Poi
 	step.strips.gather([&](int strip, int first, int last) {
 		double work = 0.0;
 		for (int p = first; p < last; ++p) {
-			const Sharing& s     = sharing(p);
+			const Sharing& s      = sharing(p);
 			const double   widens = std::clamp(s.dilation, 0.0, s.freezing), strain = widens / s.volume;
-			widening_[p]         = strain;
+			widening_[p] = strain;
 			if (!(strain > 0.0)) continue;
 			dilation_[p] -= strain * points.volume[p];
 			widened_[p] += widens * freezing_[p] / s.freezing;
@@ -175,7 +175,7 @@ template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const Poi
 		const Sharing& s       = sharing(p);
 		const double   settled = std::min(s.room, std::max(0.0, s.contraction)), left = s.room - settled;
 		const double   unloaded = std::min(s.elastic, left), closes = (settled + unloaded) / s.volume;
-		open_[p]                = (left - unloaded) / s.volume;
+		open_[p] = (left - unloaded) / s.volume;
 		closed_.add(gradient, p, closes, down_); // gradient of the soil, eq. (24.2)
 	}
 }

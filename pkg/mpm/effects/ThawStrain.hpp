@@ -70,10 +70,10 @@ private:
 	PointFields::Handle      widenedField_ = -1, dilationField_ = -1, iceField_ = -1;
 	double *                 frozenSaturation_ = nullptr, *released_ = nullptr, *open_ = nullptr, *lastVolume_ = nullptr;
 	/// Of pore ice that widens its pores: the volume by which it has done so [m^D], what the ground has dilated by lately [m^D], ice before [kg].
-	double *widened_ = nullptr, *dilation_ = nullptr, *lastIce_ = nullptr;
-	double             expansion_ = 0.0; ///< volume by which ice exceeds its water over its mass [m^D/kg]; 0: ice widens nothing
-	PagedArray<double> freezing_, widening_; ///< of the step by place: see Sharing::freezing [m^D]; strain of the ground that is none of the soil [-]
-	Vec<D>             down_ {};         ///< normal of the layers
+	double *            widened_ = nullptr, *dilation_ = nullptr, *lastIce_ = nullptr;
+	double              expansion_ = 0.0;     ///< volume by which ice exceeds its water over its mass [m^D/kg]; 0: ice widens nothing
+	PagedArray<double>  freezing_, widening_; ///< of the step by place: see Sharing::freezing [m^D]; strain of the ground that is none of the soil [-]
+	Vec<D>              down_ {};             ///< normal of the layers
 	PagedArray<Sharing> sharing_;
 	PagedArray<char>    asked_; ///< by place: the point is one of all_
 	std::vector<int>    ofSkeleton_, all_;

@@ -285,13 +285,13 @@ void MohrCoulombSkeleton<D>::splitModulus(
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k) {
 		const double whole = piece.young[k], grains = std::min(whole, thawedModulus), ice = whole - grains;
-		parts.keptIce[k]      = ice < iceModulus[k] ? ice / iceModulus[k] : 1.0;
-		parts.grainLambda[k]  = grains * unit.lambda;
-		parts.grainShear[k]   = grains * unit.shear;
-		parts.iceLambda[k]    = ice * unit.lambda;
-		parts.iceShear[k]     = ice * unit.shear;
-		parts.hidden[k]       = (parts.grainLambda[k] + 2.0 / 3.0 * parts.grainShear[k]) * opening[k];
-		iceModulus[k]         = ice;
+		parts.keptIce[k]     = ice < iceModulus[k] ? ice / iceModulus[k] : 1.0;
+		parts.grainLambda[k] = grains * unit.lambda;
+		parts.grainShear[k]  = grains * unit.shear;
+		parts.iceLambda[k]   = ice * unit.lambda;
+		parts.iceShear[k]    = ice * unit.shear;
+		parts.hidden[k]      = (parts.grainLambda[k] + 2.0 / 3.0 * parts.grainShear[k]) * opening[k];
+		iceModulus[k]        = ice;
 	}
 }
 

@@ -70,8 +70,8 @@ private:
 	/// The two parts of points in sequence, and what each may bear.
 	struct Parts {
 		double grainLambda[pieceSize], grainShear[pieceSize], iceLambda[pieceSize], iceShear[pieceSize];
-		double hidden[pieceSize];       ///< stress that the opening stands for [Pa]
-		double keptIce[pieceSize];      ///< share of the ice's stress that melting leaves [-]
+		double hidden[pieceSize];  ///< stress that the opening stands for [Pa]
+		double keptIce[pieceSize]; ///< share of the ice's stress that melting leaves [-]
 	};
 	TALIK_PROCESSOR_VERSIONS static void splitModulus(
 	        double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts);

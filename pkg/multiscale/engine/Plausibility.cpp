@@ -267,7 +267,9 @@ namespace {
 				if (q > 0.1) doubts.add(false, "WaterFlux.flux is ", q, " m/s: was ", q / 1e3 / 3600, " m/s (", q, " mm per hour) meant?");
 				else if (q > 0 && flux->region == "surface" && mpm.freezing)
 					doubts.add(
-					        false, "WaterFlux on the surface: rain does not run off here. What frozen or full ground cannot take is pressed into it and "
+					        false,
+					        "WaterFlux on the surface: rain does not run off here. What frozen or full ground cannot take is pressed into "
+					        "it and "
 					        "lifts it: give DrainedBoundary(region='surface') while it takes none.");
 			}
 			if (const auto* drained = dynamic_cast<const yade::DrainedBoundary*>(boundary.get()); drained && mpm.motion)

@@ -93,7 +93,8 @@ namespace scripting {
 			else if constexpr (flags & yade::Attr::triggerPostLoad) {
 				using Signature = boost::mpl::vector3<void, Class&, const T&>;
 				cls.add_property(
-				        name, get, py::make_function(CheckedSetter<Class, T> { member }, py::default_call_policies(), Signature()), text.c_str());
+				        name, get, py::make_function(CheckedSetter<Class, T> { member }, py::default_call_policies(), Signature()),
+				        text.c_str());
 			} else cls.add_property(name, get, py::make_setter(member, py::return_value_policy<py::return_by_value>()), text.c_str());
 		}
 	}
@@ -180,84 +181,84 @@ namespace serialization {
 
 /// What scripts and archives need of a class is declared in the class. The bodies are templates of the class, whose name there is Self, so
 /// that they are compiled in one unit, by TALIK_PLUGIN_BODIES, and not in every unit that includes the class.
-#define TALIK_CLASS_COMMON(Class, Base, archived, members, ctor, exposed)                                                                            \
-	REGISTER_CLASS_AND_BASE(Class, Base)                                                                                                         \
-	friend class boost::serialization::access;                                                                                                   \
-                                                                                                                                                     \
-public:                                                                                                                                              \
-	Class();                                                                                                                                     \
-	void                          archiveBy(::boost::archive::binary_iarchive&);                                                                 \
-	void                          archiveBy(::boost::archive::binary_oarchive&);                                                                 \
-	void                          archiveBy(::boost::archive::xml_iarchive&);                                                                    \
-	void                          archiveBy(::boost::archive::xml_oarchive&);                                                                    \
-	template <class Archive> void serialize(Archive& ar, unsigned) { archiveBy(ar); }                                                            \
-	void                          pySetAttr(const std::string& key, const ::boost::python::object& value) override;                              \
-	::boost::python::dict         pyDict() const override;                                                                                       \
-	void                          callPostLoad() override;                                                                                       \
-	void                          pyRegisterClass(::boost::python::object moduleScope) override;                                                 \
-                                                                                                                                                     \
-	template <class Self> void constructBody(Self&) { ctor; }                                                                                    \
-	template <class Self, class Archive> void archiveBody(Self& self, Archive& ar)                                                               \
-	{                                                                                                                                            \
-		::boost::serialization::void_cast_register<Self, Base>();                                                                            \
-		if constexpr (Archive::is_loading::value) preLoad(self);                                                                             \
-		else preSave(self);                                                                                                                  \
-		ar& ::boost::serialization::make_nvp(#Base, static_cast<Base&>(self));                                                               \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_ARCHIVE, Class, archived)                                                                           \
-		if constexpr (Archive::is_loading::value) postLoad(self);                                                                            \
-		else postSave(self);                                                                                                                 \
-	}                                                                                                                                            \
-	template <class Self> void setAttrBody(Self& self, const std::string& key, const ::boost::python::object& value)                             \
-	{                                                                                                                                            \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_SET, Class, members)                                                                                \
-		self.Base::pySetAttr(key, value);                                                                                                    \
-	}                                                                                                                                            \
-	template <class Self>::boost::python::dict dictBody(const Self& self) const                                                                  \
-	{                                                                                                                                            \
-		::boost::python::dict attributes;                                                                                                    \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_GET, Class, members)                                                                                \
-		attributes.update(self.pyDictCustom());                                                                                              \
-		attributes.update(self.Base::pyDict());                                                                                              \
-		return attributes;                                                                                                                   \
-	}                                                                                                                                            \
-	template <class Self> void postLoadBody(Self& self)                                                                                          \
-	{                                                                                                                                            \
-		self.Base::callPostLoad();                                                                                                           \
-		postLoad(self);                                                                                                                      \
-	}                                                                                                                                            \
-	template <class Self> void registerBody(Self& self, const ::boost::python::object& moduleScope)                                              \
-	{                                                                                                                                            \
-		self.checkPyClassRegistersItself(#Class);                                                                                            \
-		::boost::python::scope                                                                                     within(moduleScope);      \
-		::boost::python::docstring_options                                                                         plainText(true, false);   \
-		exposed                                                                                                                              \
+#define TALIK_CLASS_COMMON(Class, Base, archived, members, ctor, exposed)                                                \
+	REGISTER_CLASS_AND_BASE(Class, Base)                                                                             \
+	friend class boost::serialization::access;                                                                       \
+                                                                                                                         \
+public:                                                                                                                  \
+	Class();                                                                                                         \
+	void                          archiveBy(::boost::archive::binary_iarchive&);                                     \
+	void                          archiveBy(::boost::archive::binary_oarchive&);                                     \
+	void                          archiveBy(::boost::archive::xml_iarchive&);                                        \
+	void                          archiveBy(::boost::archive::xml_oarchive&);                                        \
+	template <class Archive> void serialize(Archive& ar, unsigned) { archiveBy(ar); }                                \
+	void                          pySetAttr(const std::string& key, const ::boost::python::object& value) override;  \
+	::boost::python::dict         pyDict() const override;                                                           \
+	void                          callPostLoad() override;                                                           \
+	void                          pyRegisterClass(::boost::python::object moduleScope) override;                     \
+                                                                                                                         \
+	template <class Self> void                constructBody(Self&) { ctor; }                                         \
+	template <class Self, class Archive> void archiveBody(Self& self, Archive& ar)                                   \
+	{                                                                                                                \
+		::boost::serialization::void_cast_register<Self, Base>();                                                \
+		if constexpr (Archive::is_loading::value) preLoad(self);                                                 \
+		else preSave(self);                                                                                      \
+		ar& ::boost::serialization::make_nvp(#Base, static_cast<Base&>(self));                                   \
+		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_ARCHIVE, Class, archived)                                               \
+		if constexpr (Archive::is_loading::value) postLoad(self);                                                \
+		else postSave(self);                                                                                     \
+	}                                                                                                                \
+	template <class Self> void setAttrBody(Self& self, const std::string& key, const ::boost::python::object& value) \
+	{                                                                                                                \
+		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_SET, Class, members)                                                    \
+		self.Base::pySetAttr(key, value);                                                                        \
+	}                                                                                                                \
+	template <class Self>::boost::python::dict dictBody(const Self& self) const                                      \
+	{                                                                                                                \
+		::boost::python::dict attributes;                                                                        \
+		BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_GET, Class, members)                                                    \
+		attributes.update(self.pyDictCustom());                                                                  \
+		attributes.update(self.Base::pyDict());                                                                  \
+		return attributes;                                                                                       \
+	}                                                                                                                \
+	template <class Self> void postLoadBody(Self& self)                                                              \
+	{                                                                                                                \
+		self.Base::callPostLoad();                                                                               \
+		postLoad(self);                                                                                          \
+	}                                                                                                                \
+	template <class Self> void registerBody(Self& self, const ::boost::python::object& moduleScope)                  \
+	{                                                                                                                \
+		self.checkPyClassRegistersItself(#Class);                                                                \
+		::boost::python::scope             within(moduleScope);                                                  \
+		::boost::python::docstring_options plainText(true, false);                                               \
+		exposed                                                                                                  \
 	}
 
 /// Begins what registerBody() does.
-#define TALIK_CLASS_OBJECT(Class, Base, docString)                                                                                               \
-	::boost::python::class_<Self, ::boost::shared_ptr<Self>, ::boost::python::bases<Base>, boost::noncopyable> classObject(                  \
-	        #Class, docString, ::boost::python::no_init);                                                                                    \
-	::talik::HeldPointer<Self>::registerOnce();                                                                                              \
+#define TALIK_CLASS_OBJECT(Class, Base, docString)                                                                              \
+	::boost::python::class_<Self, ::boost::shared_ptr<Self>, ::boost::python::bases<Base>, boost::noncopyable> classObject( \
+	        #Class, docString, ::boost::python::no_init);                                                                   \
+	::talik::HeldPointer<Self>::registerOnce();                                                                             \
 	classObject.def("__init__", ::boost::python::raw_function(&::talik::scripting::constructFromKeywords<Self>, 1));
 
 /// Definitions of what TALIK_CLASS_COMMON declares.
-#define TALIK_PLUGIN_BODIES(Class)                                                                                                \
-	Class::Class() { constructBody(*this); }                                                                                  \
-	void Class::archiveBy(::boost::archive::binary_iarchive& ar) { archiveBody(*this, ar); }                                  \
-	void Class::archiveBy(::boost::archive::binary_oarchive& ar) { archiveBody(*this, ar); }                                  \
-	void Class::archiveBy(::boost::archive::xml_iarchive& ar) { archiveBody(*this, ar); }                                     \
-	void Class::archiveBy(::boost::archive::xml_oarchive& ar) { archiveBody(*this, ar); }                                     \
-	void Class::pySetAttr(const std::string& key, const ::boost::python::object& value) { setAttrBody(*this, key, value); }   \
-	::boost::python::dict Class::pyDict() const { return dictBody(*this); }                                                   \
-	void                  Class::callPostLoad() { postLoadBody(*this); }                                                      \
-	void                  Class::pyRegisterClass(::boost::python::object moduleScope) { registerBody(*this, moduleScope); }   \
+#define TALIK_PLUGIN_BODIES(Class)                                                                                                               \
+	Class::Class() { constructBody(*this); }                                                                                                 \
+	void                  Class::archiveBy(::boost::archive::binary_iarchive& ar) { archiveBody(*this, ar); }                                \
+	void                  Class::archiveBy(::boost::archive::binary_oarchive& ar) { archiveBody(*this, ar); }                                \
+	void                  Class::archiveBy(::boost::archive::xml_iarchive& ar) { archiveBody(*this, ar); }                                   \
+	void                  Class::archiveBy(::boost::archive::xml_oarchive& ar) { archiveBody(*this, ar); }                                   \
+	void                  Class::pySetAttr(const std::string& key, const ::boost::python::object& value) { setAttrBody(*this, key, value); } \
+	::boost::python::dict Class::pyDict() const { return dictBody(*this); }                                                                  \
+	void                  Class::callPostLoad() { postLoadBody(*this); }                                                                     \
+	void                  Class::pyRegisterClass(::boost::python::object moduleScope) { registerBody(*this, moduleScope); }                  \
 	REGISTER_FACTORABLE(Class)
 
-#define YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, docString, attrs, inits, ctor, py)                                       \
-public:                                                                                                                              \
-	BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_DECLARE, Class, attrs)                                                                      \
-	TALIK_CLASS_COMMON(Class, Base, attrs, attrs, ctor,                                                                          \
-		TALIK_CLASS_OBJECT(Class, Base, docString) BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_EXPOSE, Class, attrs) (void)classObject py;)
+#define YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, docString, attrs, inits, ctor, py) \
+public:                                                                                        \
+	BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_DECLARE, Class, attrs)                                \
+	TALIK_CLASS_COMMON(Class, Base, attrs, attrs, ctor,                                    \
+	                   TALIK_CLASS_OBJECT(Class, Base, docString) BOOST_PP_SEQ_FOR_EACH(TALIK_ATTR_EXPOSE, Class, attrs)(void) classObject py;)
 #define YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(Class, Base, doc, attrs, ctor, py) YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, doc, attrs, , ctor, py)
 #define YADE_CLASS_BASE_DOC_ATTRS_CTOR(Class, Base, doc, attrs, ctor) YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, doc, attrs, , ctor, )
 #define YADE_CLASS_BASE_DOC_ATTRS(Class, Base, doc, attrs) YADE_CLASS_BASE_DOC_ATTRS_INIT_CTOR_PY(Class, Base, doc, attrs, , , )
@@ -273,13 +274,14 @@ public:                                                                         
 #define TALIK_STATIC_TEXT(r, Class, a) "\n\n" TALIK_ATTR_KEY(a) ": " TALIK_ATTR_TEXT(a)
 
 /// Drawing functors: YADE makes their instances, so what a user sets is static.
-#define YADE_CLASS_BASE_DOC_STATICATTRS(Class, Base, docString, attrs)                                                                  \
-public:                                                                                                                                 \
-	BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_DECLARE, Class, attrs)                                                                       \
-	TALIK_CLASS_COMMON(Class, Base, attrs, , ,                                                                                      \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_INIT, Class, attrs)                                                                  \
-		TALIK_CLASS_OBJECT(Class, Base, docString BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_TEXT, Class, attrs))                       \
-		BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_EXPOSE, Class, attrs))
+#define YADE_CLASS_BASE_DOC_STATICATTRS(Class, Base, docString, attrs)                                                    \
+public:                                                                                                                   \
+	BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_DECLARE, Class, attrs)                                                         \
+	TALIK_CLASS_COMMON(                                                                                               \
+	        Class, Base, attrs, , ,                                                                                   \
+	        BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_INIT, Class, attrs)                                                    \
+	                TALIK_CLASS_OBJECT(Class, Base, docString BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_TEXT, Class, attrs)) \
+	                        BOOST_PP_SEQ_FOR_EACH(TALIK_STATIC_EXPOSE, Class, attrs))
 
 #define REGISTER_SERIALIZABLE(Class)        \
 	}                                   \
