@@ -524,8 +524,9 @@ class SurfaceTable(_Table):
 	path       of the file
 	everyDays  time between two sets of lines [d of the calendar], above 0
 
-	x [m] and settlement [m] are those of the surface above the point that is uppermost in its column at the start: settlement is the way down of the point
-	and half of what the point has lost in height, negative where the surface heaves. thaw depth [m] is talik.thermal.thawDepth there, nan where the column has thawed through or there is no heat. Its engine stands behind the ground in O.engines.
+	x [m] and settlement [m] are those of the surface above the point that is uppermost in its column at the start: settlement is the way down of the
+	point and half of what it has lost in height, negative where the surface heaves. thaw depth [m] is talik.thermal.thawDepth there, nan where the
+	column has thawed through or there is no heat. Its engine stands behind the ground in O.engines.
 
 	>>> table = talik.output.SurfaceTable(mpm, folder + "/surface.csv", everyDays=1)
 	>>> O.engines = O.engines + [table.engine]
