@@ -134,11 +134,6 @@ namespace HWY_NAMESPACE {
 		return f;
 	}
 
-	/// Tangent of the friction angle of contacts without and with an intact bond [-].
-	template <class Number> struct ContactFriction {
-		Number free, bonded;
-	};
-
 	/// Normal force at the edge of a bond's section that bending stretches most.
 	template <class Number> HWY_INLINE Number atEdge(const Number& normal, NoMoments) { return normal; }
 	template <class Number> HWY_INLINE Number atEdge(const Number& normal, const EdgeForces<Number>& edge) { return Sub(normal, edge.tension); }
@@ -159,7 +154,7 @@ namespace HWY_NAMESPACE {
 	/// It must replace their forces by the result of IceBond::settle.
 	template <class Number, class Shear, class Edge, class Settle>
 	HWY_INLINE ContactForces<Number, Shear> bondedForces(
-	        const ContactResponse<Number>& contact, const ContactFriction<Number>& friction, const Number& overlap, const Shear& shear,
+	        const ContactResponse<Number>& contact, const Number& friction, const Number& overlap, const Shear& shear,
 	        const Shear& iceShear, const Shear& increment, const Edge& edge, Settle&& settle)
 	{
 		const Number                 zero   = zeroLike(overlap);
@@ -168,7 +163,7 @@ namespace HWY_NAMESPACE {
 		f.overlap          = overlap;
 		f.trialNormal      = Sub(Mul(contact.stiffness, overlap), contact.offset);
 		f.normal           = Max(f.trialNormal, contact.floor);
-		const Number limit = MulAdd(IfThenElse(intact, friction.bonded, friction.free), Max(f.trialNormal, zero), contact.cohesion);
+		const Number limit = MulAdd(friction, Max(f.trialNormal, zero), contact.cohesion);
 		f.trialShear       = Sub(shear, increment);
 		f.shear            = limitedShear(f.trialShear, limit);
 		f.iceShear         = NegMulAdd(contact.iceShare, increment, iceShear);

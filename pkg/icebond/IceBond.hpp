@@ -13,18 +13,12 @@ namespace talik {
 /// mechanically, the contact is frictional until a melt resets it to NONE.
 enum class BondState : int { NONE = 0, BONDED = 1, BROKEN = 2 };
 
-/// How forces follow a change of contact stiffness with ice saturation.
-/// parallel: grain spring beside an ice spring that grows stress-free and drops its share on melting (default);
-/// forceContinuous: the force never jumps; secant: F = k(S_i) u, every change of S_i rescales the force.
-enum class StiffnessRule : int { parallel = 0, forceContinuous = 1, secant = 2 };
-
 /// Ice-dependent stiffness and strength of a grain contact, Yu & Zhao eqs (5)-(7). Its parameters are listed in BondParameters.hpp.
 struct IceBondModel {
 	double young = 0.6e9; ///< E_c0, contact modulus without ice [Pa], > 0
 #define TALIK_MEMBER(name, initial, unit, range, mixing, help, note) double name = initial;
 	TALIK_BOND_PARAMETERS(TALIK_MEMBER)
 #undef TALIK_MEMBER
-	bool cohesionDisablesFriction = false; ///< true: the shear limit of an intact bond has no frictional part
 
 	/// Of grains that no ice bonds or stiffens, whatever the ice saturation.
 	static IceBondModel none()
@@ -174,8 +168,8 @@ template <class Shear> void clearShear(Shear& shear)
 	else shear.setZero();
 }
 
-/// Memory of one contact: a grain spring beside an ice spring (rule parallel), or one spring with a moving reference (forceContinuous,
-/// secant). The shear forces `shear`, and `iceShear` of which the ice carries, are kept by who owns the contact [N].
+/// Memory of one contact: a grain spring beside an ice spring. The shear forces `shear`, and `iceShear` of which the ice carries, are kept by
+/// who owns the contact [N].
 struct IceBond {
 	BondState state  = BondState::NONE;
 	bool      iceCut = false; ///< the ice spring of a broken bond has opened and carries nothing any more
@@ -185,10 +179,9 @@ struct IceBond {
 	bool intact() const { return state == BondState::BONDED; }
 	bool hasIceSpring() const { return intact() || (state == BondState::BROKEN && !iceCut); }
 
-	ContactResponse<double> response(const ContactStiffness& k, const BondStrength& strength, StiffnessRule rule = StiffnessRule::parallel) const
+	ContactResponse<double> response(const ContactStiffness& k, const BondStrength& strength) const
 	{
 		const double limit = -std::max(watched, strength.tensile);
-		if (rule != StiffnessRule::parallel) return { k.total(), k.total() * uIce, intact() ? limit : 0., intact() ? strength.shear : 0., 0. };
 		if (intact()) return { k.total(), k.grain * uGrain + k.ice() * uIce, limit, strength.shear, k.iceShare() };
 		if (!hasIceSpring()) return { k.grain, 0., state == BondState::NONE ? 0. : watched, 0., 0. };
 		// the ice spring is relaxed, or the contact opens, where the force is this
@@ -206,10 +199,10 @@ struct IceBond {
 
 	/// New ice at overlap un is free of stress: no force appears. Reference of a bond across a gap is the gap. A broken bond whose
 	/// ice still carries keeps what it carries.
-	template <class Shear> void form(double un, Shear& iceShear, StiffnessRule rule = StiffnessRule::parallel)
+	template <class Shear> void form(double un, Shear& iceShear)
 	{
 		if (!hasIceSpring()) {
-			if (rule == StiffnessRule::parallel || un < 0) uIce = un;
+			uIce = un;
 			clearShear(iceShear);
 		}
 		state  = BondState::BONDED;
@@ -217,17 +210,11 @@ struct IceBond {
 		uGrain = std::min(un, 0.);
 	}
 
-	/// Ice grows (forces stay) or melts (melted ice drops its share), Yu & Zhao eqs (5)-(7) with the rule chosen.
+	/// Ice grows free of stress (forces stay) or melts (melted ice drops its share), Yu & Zhao eqs (5)-(7).
 	template <class Shear>
-	void changeStiffness(
-	        const ContactStiffness& before, const ContactStiffness& after, double un, Shear& shear, Shear& iceShear,
-	        StiffnessRule rule = StiffnessRule::parallel)
+	void changeStiffness(const ContactStiffness& before, const ContactStiffness& after, double un, Shear& shear, Shear& iceShear)
 	{
-		if (rule == StiffnessRule::secant) {
-			shear *= after.total() / before.total();
-		} else if (rule == StiffnessRule::forceContinuous) {
-			uIce = un - before.total() / after.total() * (un - uIce);
-		} else if (hasIceSpring() && after.iceRatio < before.iceRatio) {
+		if (hasIceSpring() && after.iceRatio < before.iceRatio) {
 			const double kept = after.iceRatio / before.iceRatio;
 			shear -= iceShear * (1 - kept);
 			iceShear *= kept;
@@ -236,40 +223,38 @@ struct IceBond {
 		}
 	}
 
-	/// The ice has become stiffer by a factor at overlap un; forces stay. Rule parallel.
+	/// The ice has become stiffer by a factor at overlap un; forces stay.
 	void stiffenIce(double factor, double un)
 	{
 		if (hasIceSpring()) uIce = un - (un - uIce) / factor;
 	}
 
 	/// Complete melt: back to friction, the ice share of the shear force is gone.
-	template <class Shear> void melt(Shear& shear, Shear& iceShear, StiffnessRule rule = StiffnessRule::parallel)
+	template <class Shear> void melt(Shear& shear, Shear& iceShear)
 	{
 		if (state == BondState::NONE) return;
-		if (rule == StiffnessRule::parallel) shear -= iceShear;
+		shear -= iceShear;
 		clearShear(iceShear);
-		*this = { BondState::NONE, false, 0, rule == StiffnessRule::forceContinuous ? uIce : 0 };
+		*this = IceBond();
 	}
 
 	/// A bond at its limit fails, in tension first; a broken one below its floor opens, or its ice spring is relaxed. From the trial
 	/// forces those of this step. thawed: the bond has outlasted its ice and leaves a frictional contact, which new ice bonds again.
 	template <class Shear>
-	BondFailure settle(
-	        const ContactStiffness& k, const BondStrength& strength, double friction, bool thawed, ContactForces<double, Shear>& f,
-	        StiffnessRule rule = StiffnessRule::parallel)
+	BondFailure settle(const ContactStiffness& k, const BondStrength& strength, double friction, bool thawed, ContactForces<double, Shear>& f)
 	{
 		BondFailure failure = BondFailure::none;
 		f.shear             = f.trialShear;
 		if (!intact()) {
 			relax(k, f);
-		} else if (f.trialNormal < response(k, strength, rule).floor) {
-			const bool bent = f.normal > response(k, strength, rule).floor; // the edge of the section has failed before the section
+		} else if (f.trialNormal < response(k, strength).floor) {
+			const bool bent = f.normal > response(k, strength).floor; // the edge of the section has failed before the section
 			failure         = BondFailure::tension;
 			*this           = broken(thawed);
 			f.normal        = bent ? k.grain * std::max(f.overlap, 0.) : 0;
 		} else {
 			failure = BondFailure::shear;
-			breakInShear(k, thawed, f, rule);
+			breakInShear(k, thawed, f);
 		}
 		if (f.overlap < 0) { // nothing holds or pushes across a gap any more
 			f.normal = 0;
@@ -307,12 +292,11 @@ private:
 		}
 	}
 
-	template <class Shear> void breakInShear(const ContactStiffness& k, bool thawed, ContactForces<double, Shear>& f, StiffnessRule rule)
+	template <class Shear> void breakInShear(const ContactStiffness& k, bool thawed, ContactForces<double, Shear>& f)
 	{
-		const bool   single = rule != StiffnessRule::parallel;
-		const double grain = k.grain * std::max(f.overlap, 0.), push = thawed ? 0. : k.ice() * std::max(f.overlap - uIce, 0.);
-		f.normal = single && !thawed ? k.total() * std::max(f.overlap - uIce, 0.) : push + grain;
-		if (!thawed && (single || push > 0)) *this = { BondState::BROKEN, false, 0, uIce };
+		const double push = thawed ? 0. : k.ice() * std::max(f.overlap - uIce, 0.);
+		f.normal          = push + k.grain * std::max(f.overlap, 0.);
+		if (push > 0) *this = { BondState::BROKEN, false, 0, uIce };
 		else *this = broken(thawed);
 	}
 };

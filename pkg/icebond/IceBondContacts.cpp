@@ -123,17 +123,6 @@ using talik::BondState;
 using talik::BondStrength;
 using talik::ContactStiffness;
 using Forces = talik::ContactForces<double, Vector3r>;
-using talik::StiffnessRule;
-
-void Law2_ScGeom_IceBondPhys_IceBond::postLoad(Law2_ScGeom_IceBondPhys_IceBond&)
-{
-	if (stiffnessRule == "parallel") rule = StiffnessRule::parallel;
-	else if (stiffnessRule == "forceContinuous") rule = StiffnessRule::forceContinuous;
-	else if (stiffnessRule == "secant") rule = StiffnessRule::secant;
-	else
-		throw std::invalid_argument(
-		        "Law2_ScGeom_IceBondPhys_IceBond.stiffnessRule is '" + stiffnessRule + "': choose parallel, forceContinuous or secant.");
-}
 
 ContactStiffness Law2_ScGeom_IceBondPhys_IceBond::stiffness(const Contact& c, double iceSaturation) const
 {
@@ -143,7 +132,7 @@ ContactStiffness Law2_ScGeom_IceBondPhys_IceBond::stiffness(const Contact& c, do
 /// Without its bond a contact cannot push across a gap that shrinking grains have left, see GrainSwelling.
 void Law2_ScGeom_IceBondPhys_IceBond::meltBond(Contact& c)
 {
-	c.bond.melt(c.phys.shearForce, c.phys.iceShear, rule);
+	c.bond.melt(c.phys.shearForce, c.phys.iceShear);
 	c.phys.keepBondMoment(0);
 	if (c.phys.uRef >= 0) return;
 	c.phys.uRef = 0;
@@ -157,7 +146,7 @@ void Law2_ScGeom_IceBondPhys_IceBond::formOrMelt(Contact& c, double iceSaturatio
 	if (c.model.melted(iceSaturation)) {
 		if (c.bond.state != BondState::BONDED || !c.model.bondsOutlastIce()) meltBond(c);
 	} else if (bondable && c.un >= -c.phys.gapLimit && (c.phys.bondNow || c.model.formsBonds(before, iceSaturation)))
-		c.bond.form(c.un, c.phys.iceShear, rule);
+		c.bond.form(c.un, c.phys.iceShear);
 	c.phys.bondNow = false;
 }
 
@@ -167,7 +156,7 @@ void Law2_ScGeom_IceBondPhys_IceBond::takeUpIceSaturation(Contact& c, double ice
 	if (iceSaturation == before && !c.phys.bondNow) return;
 	formOrMelt(c, iceSaturation);
 	const ContactStiffness former = stiffness(c, before), present = stiffness(c, iceSaturation);
-	c.bond.changeStiffness(former, present, c.un, c.phys.shearForce, c.phys.iceShear, rule);
+	c.bond.changeStiffness(former, present, c.un, c.phys.shearForce, c.phys.iceShear);
 	if (present.iceRatio < former.iceRatio) c.phys.keepBondMoment(present.iceRatio / former.iceRatio);
 	c.phys.iceSaturation = iceSaturation;
 }
@@ -183,16 +172,15 @@ void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness
 	const double friction = c.phys.tangensOfFrictionAngle, area = c.phys.bondArea, saturation = c.phys.iceSaturation;
 	BondStrength strength { 0, 0 };
 	if (c.bond.intact()) strength = { c.model.tensileStrengthAt(saturation) * area, c.model.shearStrengthAt(saturation) * area };
-	const auto contact = c.bond.response(k, strength, rule);
+	const auto contact = c.bond.response(k, strength);
 	const auto settle  = [&](bool, Forces& forces) {
-                if (c.bond.settle(k, strength, friction, c.model.melted(saturation), forces, rule) != BondFailure::none) countBroken();
+                if (c.bond.settle(k, strength, friction, c.model.melted(saturation), forces) != BondFailure::none) countBroken();
 	};
 	c.geom.rotate(c.phys.shearForce);
 	c.geom.rotate(c.phys.iceShear);
-	const Vector3r                                      increment = k.shearRatio * contact.stiffness * c.geom.shearIncrement();
-	const talik::HWY_NAMESPACE::ContactFriction<double> frictions { friction, cohesionDisablesFriction ? 0 : friction };
-	const auto                                          forces = [&](const auto& edge) {
-                return talik::HWY_NAMESPACE::bondedForces(contact, frictions, double(c.un), c.phys.shearForce, c.phys.iceShear, increment, edge, settle);
+	const Vector3r increment = k.shearRatio * contact.stiffness * c.geom.shearIncrement();
+	const auto     forces    = [&](const auto& edge) {
+                return talik::HWY_NAMESPACE::bondedForces(contact, friction, double(c.un), c.phys.shearForce, c.phys.iceShear, increment, edge, settle);
 	};
 	const bool   bends = c.bond.intact() && c.phys.carriesMoments();
 	const Forces f     = bends ? forces(c.phys.bend(c.geom, c.interaction, *scene, k)) : forces(talik::NoMoments());
@@ -200,7 +188,7 @@ void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness
 	c.phys.normalForce = f.normal * c.geom.normal;
 	c.phys.shearForce  = f.shear;
 	c.phys.iceShear    = f.iceShear;
-	c.phys.kn          = c.bond.response(k, strength, rule).stiffness;
+	c.phys.kn          = c.bond.response(k, strength).stiffness;
 	c.phys.ks          = k.shearRatio * c.phys.kn;
 }
 

@@ -16,7 +16,7 @@ class IceBondPhys;
 /// Frictional grain material whose contacts may carry ice, Yu & Zhao eqs (5)-(7).
 class IceBondMat : public FrictMat {
 public:
-	/// The material as the formulas see it; stiffness rule and friction of bonds belong to the law.
+	/// The material as the formulas see it; whether broken bonds heal belongs to the law.
 	talik::IceBondModel model() const;
 	/// Takes the parameters of bonds, all but young.
 	void takeBonds(const talik::IceBondModel&);
@@ -91,7 +91,7 @@ public:
 		((Real,bondArea,0,,"Area of the bond [m^2]."))
 		((Real,gapLimit,0,,"Largest gap that is bonded [m]."))
 		((Real,uGrain,0,,"Overlap at which the grain spring of an intact bond is free [m]."))
-		((Real,uIce,0,,"Overlap at which the ice spring is free [m]; reference of the single spring for the rules forceContinuous and secant."))
+		((Real,uIce,0,,"Overlap at which the ice spring is free [m]."))
 		((Real,uRef,0,,"Part of the geometric overlap that stems from swollen radii and carries no force [m], see GrainSwelling."))
 		((Vector3r,iceShear,Vector3r::Zero(),,"Part of the shear force carried by ice [N]."))
 		((bool,iceCut,false,,"The ice of a broken bond has opened and carries nothing."))
@@ -127,7 +127,6 @@ REGISTER_SERIALIZABLE(Ip2_IceBondMat_IceBondMat_IceBondPhys);
 class Law2_ScGeom_IceBondPhys_IceBond : public LawFunctor {
 public:
 	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
-	void postLoad(Law2_ScGeom_IceBondPhys_IceBond&);
 
 private:
 	/// What one evaluation works on.
@@ -147,7 +146,6 @@ private:
 	void                    applyForces(const Contact&, const Interaction*) const;
 	void                    countBroken();
 	bool                    stayOpen(Contact&) const;
-	talik::StiffnessRule    rule = talik::StiffnessRule::parallel;
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Law2_ScGeom_IceBondPhys_IceBond,LawFunctor,"Contact law of grains bonded by pore ice. Without ice: linear springs with Coulomb "
@@ -156,9 +154,6 @@ private:
 			"melting every bond; ice that rises again through IceBondMat.bondSaturation bonds anew. The limits are checked in every step, also when only the ice "
 			"saturation changes. Example: "
 			"InteractionLoop([Ig2_Sphere_Sphere_ScGeom()],[Ip2_IceBondMat_IceBondMat_IceBondPhys()],[Law2_ScGeom_IceBondPhys_IceBond(healBroken=True)]).",
-		((string,stiffnessRule,"parallel",Attr::triggerPostLoad,"How forces follow the ice-dependent stiffness of existing contacts: parallel (ice spring beside "
-				"the grain spring, default), forceContinuous (no force ever jumps), secant (F = k(S_i) u)."))
-		((bool,cohesionDisablesFriction,false,,"An intact bond has no frictional part in its shear limit."))
 		((bool,healBroken,false,,"Refreezing bonds broken contacts, too; otherwise they stay broken until melted."))
 		((bool,sphericalBodies,true,,"All bodies are spheres: torques from radii (always so in periodic scenes); else from contact points."))
 		((long,brokenBonds,0,,"Number of bonds broken mechanically so far (melted ones do not count)."))

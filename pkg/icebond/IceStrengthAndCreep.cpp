@@ -128,31 +128,10 @@ void CreepingBonds::postLoad(CreepingBonds&)
 	require(timeScale >= 0, "timeScale", timeScale, "give a ratio of times, 0 or more.");
 }
 
-/// Other rules have one spring for grains and ice.
-void CreepingBonds::requireParallelSprings() const
-{
-	talik::PythonLock gil;
-	for (const auto& engine : scene->engines) {
-		if (engine->getClassName() != "InteractionLoop") continue;
-		const py::object functors = py::object(engine).attr("lawDispatcher").attr("functors");
-		for (long k = 0; k < py::len(functors); ++k) {
-			const py::object law = functors[k];
-			if (!PyObject_HasAttrString(law.ptr(), "stiffnessRule")) continue;
-			const string rule = py::extract<string>(law.attr("stiffnessRule"));
-			if (rule != "parallel")
-				throw std::invalid_argument(
-				        "CreepingBonds needs bonds whose ice is a spring beside the grains': Law2_ScGeom_IceBondPhys_IceBond.stiffnessRule is '"
-				        + rule + "', choose parallel.");
-		}
-	}
-}
-
 void CreepingBonds::action()
 {
 	const talik::StepGate gate;
 	if (!iceCreep) return;
-	if (!checked) requireParallelSprings();
-	checked                      = true;
 	const talik::BondCreep creep = iceCreep->law().over(temperature, timeScale * scene->dt);
 	if (!creep.acts()) return;
 	for (const auto& contact : *scene->interactions) {

@@ -90,11 +90,6 @@ public:
 	void action() override;
 	void postLoad(CreepingBonds&);
 
-private:
-	void requireParallelSprings() const;
-	bool checked = false;
-
-public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(CreepingBonds,GlobalEngine,"Ice bonds of the scene creep: in every step the force of their ice relaxes by the closed "
 			"form of Glen's law over timeScale*O.dt. Put it behind the InteractionLoop. Samples need none: see RveSkeleton.iceCreep. Example: "

@@ -23,8 +23,8 @@ inline long   partsOfIce(double from, double target, double increment) { return 
 inline double iceAfterPart(double from, double target, long k, long parts) { return k == parts ? target : from + (target - from) * double(k) / double(parts); }
 
 /// One macroscopic increment on a sample, packed or open: ice and its creep at zero velocity gradient, then motion, then relaxation.
-/// A sample offers timeStep, setTimeStep, longestTimeStep, velGrad, setNextVelGrad, run, lastStress, setLastStress, hasIce, iceSaturation,
-/// setIceSaturation, leastStepsOfIce, creep, movingSteps, motionPerStep and unbalancedForce.
+/// A sample offers timeStep, setTimeStep, longestTimeStep, velGrad, setNextVelGrad, run, hasIce, iceSaturation,
+/// setIceSaturation, leastStepsOfIce, creep, movingSteps and motionPerStep.
 template <class Sample> class SampleUpdate {
 	using Matrix = typename Sample::Matrix;
 
@@ -41,7 +41,7 @@ public:
 		changeIce(targetIceSaturation);
 		creep();
 		const long moving = move(remaining);
-		relax();
+		sample.run(options.relaxSteps);
 		return moving;
 	}
 
@@ -106,21 +106,11 @@ private:
 		ofMotion.maxStrainPerStep *= timeStep.overThatAtRest();
 		const long   steps = sample.movingSteps(displacementGradient, ofMotion);
 		const Matrix rate  = sample.motionPerStep(displacementGradient, steps) / sample.timeStep();
-		const long   mean  = std::min(steps, long(options.averageOver * double(steps)));
 		sample.setNextVelGrad(rate);
-		sample.run(steps, mean);
-		const Matrix before = sample.lastStress();
+		sample.run(steps);
 		sample.setNextVelGrad(Matrix::Zero());
 		sample.run(timeStep.stepsToRest());
-		if (mean > 1) sample.setLastStress((before * double(mean) + sample.lastStress()) / double(mean + 1));
 		return steps;
-	}
-
-	void relax()
-	{
-		sample.run(options.relaxSteps);
-		for (long done = 0; done < options.maxRelaxSteps && sample.unbalancedForce() > options.unbalancedLimit; done += 10)
-			sample.run(10);
 	}
 
 	Sample&                    sample;

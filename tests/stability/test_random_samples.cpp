@@ -95,7 +95,6 @@ private:
 		s.ice.tensileStrength = s.ice.shearStrength = dice_.decades("C0", 1.0, 1e7);
 		s.ice.iceTensileStrength = s.ice.iceShearStrength = dice_.decades("C1", 1e3, 1e9);
 		s.ice.bondRange                                   = dice_.between("range", 0.0, 0.2);
-		s.ice.cohesionDisablesFriction                    = dice_.chance("cohesionDisablesFriction", 0.3);
 		if (dice_.chance("shrinks", 0.4)) s.thawStrain = { dice_.between("thawStrain", 0.0, 0.5), s.iceSaturation };
 		return s;
 	}
@@ -119,7 +118,6 @@ private:
 		options.steps               = dice_.chance("stepsGiven", 0.5) || strain > 3e-3 ? long(dice_.decades("steps", 1.0, 3000.0)) : 0;
 		options.maxInertialNumber   = dice_.decades("I", 1e-3, 1.0);
 		options.relaxSteps          = dice_.chance("relax", 0.3) ? 100 : 0;
-		options.averageOver         = dice_.chance("mean", 0.3) ? dice_.between("averageOver", 0.0, 1.0) : 0.0;
 		options.saturationIncrement = dice_.decades("dSi", 0.01, 1.0);
 		options.stepsPerSaturation  = dice_.count("stepsPerSi", 0, 3);
 		options.flipSkew            = dice_.chance("neverFlip", 0.2) ? 0.0 : dice_.between("skew", 0.05, 0.6);

@@ -68,7 +68,6 @@ private:
 		s.ice.tensileStrength = s.ice.shearStrength = dice_.decades("C0", 1e3, 1e7);
 		s.ice.iceTensileStrength = s.ice.iceShearStrength = dice_.decades("C1", 1e5, 1e9);
 		s.ice.bondRange                                   = dice_.between("range", 0.0, 0.2);
-		s.ice.cohesionDisablesFriction                    = dice_.chance("cohesionDisablesFriction", 0.3);
 		if (dice_.chance("outlasts", 0.3)) s.ice.thawedStrength = dice_.decades("thawed", 1e3, 1e6);
 		if (dice_.chance("shrinks", 0.5)) s.thawStrain.thawStrain = dice_.between("thawStrain", 0.0, 0.3);
 		return s;

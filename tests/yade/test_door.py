@@ -360,10 +360,6 @@ def test_a_refused_value_does_not_stay():
 	with pytest.raises(ValueError, match="IceBondMat.iceSaturation is 1.5"):
 		material.iceSaturation = 1.5
 	assert material.iceSaturation == 0.4
-	law = wrapper.Law2_ScGeom_IceBondPhys_IceBond(stiffnessRule="secant")
-	with pytest.raises(ValueError):
-		law.stiffnessRule = "none"
-	assert law.stiffnessRule == "secant"
 
 
 # --- saving ----------------------------------------------------------------------------------------------------------------
@@ -416,7 +412,7 @@ def test_a_bonded_scene_survives_saving(how, tmp_path):
 		wrapper.InteractionLoop(
 			[wrapper.Ig2_Sphere_Sphere_ScGeom()],
 			[wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys(bondNewContacts=True, label="model")],
-			[wrapper.Law2_ScGeom_IceBondPhys_IceBond(stiffnessRule="forceContinuous", healBroken=True, label="law")],
+			[wrapper.Law2_ScGeom_IceBondPhys_IceBond(healBroken=True, label="law")],
 		),
 		wrapper.NewtonIntegrator(damping=0.2),
 	]

@@ -275,14 +275,14 @@ def test_the_command_writes_table_and_picture_slow(calibrateCommand):
 # ---- an ordinary scene ----------------------------------------------------------------------------------------------------
 
 
-def heldPair(stiffnessRule="parallel", **creeping):
+def heldPair(**creeping):
 	"""Two spheres that are held apart after they were bonded."""
 	O.materials.append(wrapper.IceBondMat(young=0.6e9, poisson=0.8, frictionAngle=0.5, density=2650, iceSaturation=1))
 	O.bodies.append([utils.sphere((x, 0, 0), radius, fixed=True) for x in (0, 2 * radius)])
 	loop = wrapper.InteractionLoop(
 		[wrapper.Ig2_Sphere_Sphere_ScGeom(interactionDetectionFactor=1.05)],
 		[wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys(bondNewContacts=True)],
-		[wrapper.Law2_ScGeom_IceBondPhys_IceBond(stiffnessRule=stiffnessRule)],
+		[wrapper.Law2_ScGeom_IceBondPhys_IceBond()],
 	)
 	O.engines = [
 		wrapper.ForceResetter(),
@@ -307,11 +307,6 @@ def test_in_an_ordinary_scene_bonds_relax_over_the_time_scale_by_the_closed_form
 	wanted = first / math.sqrt(1 + 2 * flown)
 	print(f"\n{first:.2f} N, after 100 s {phys.normalForce.norm():.6f} N, closed form {wanted:.6f} N")
 	assert first == pytest.approx(600, rel=1e-9) and phys.normalForce.norm() == pytest.approx(wanted, rel=1e-9)
-
-
-def test_creep_needs_ice_that_is_a_spring_of_its_own():
-	with pytest.raises(ValueError, match="stiffnessRule is 'secant', choose parallel"):
-		heldPair(stiffnessRule="secant", iceCreep=wrapper.IceCreep())
 
 
 # ---- ground ---------------------------------------------------------------------------------------------------------------

@@ -245,7 +245,6 @@ def otherRadii(rule):
 
 
 openOptions = {
-	"stiffness rule secant": lambda: set_(lawOfBonds(), stiffnessRule="secant"),
 	"heals broken bonds": lambda: set_(lawOfBonds(), healBroken=True),
 	"it has a GrainSwelling": lambda: otherRadii("referenceOverlap"),
 	"has a GrainSwelling": lambda: otherRadii("mechanical"),

@@ -25,7 +25,7 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 {
 	talik::SampleScheduling s;
 	TALIK_TAKE_ATTRIBUTES(s, *this, (strainTolerance)(saturationTolerance)(prediction)(stressTolerance)(threads))
-	TALIK_TAKE_ATTRIBUTES(s.update, *this, (maxInertialNumber)(maxStrainPerStep)(minSteps)(timeStepFollowsIce)(maxRelaxSteps))
+	TALIK_TAKE_ATTRIBUTES(s.update, *this, (maxInertialNumber)(maxStrainPerStep)(minSteps)(timeStepFollowsIce))
 	s.stopOnBlowUp = onBlowUp == "stop";
 	if (iceStrength) s.iceStrength = iceStrength->law();
 	if (iceCreep) s.iceCreep = iceCreep->law();
@@ -48,7 +48,6 @@ void RveSkeleton::checkScheduling() const
 	if (!std::isnan(slipFriction)) require(slipFriction >= 0, "slipFriction", slipFriction, "give 0 or more, or nan: it is measured on the samples.");
 	require(slipCohesion >= 0, "slipCohesion", slipCohesion, "give a stress in Pa, 0 or more.");
 	require(minSteps >= 1, "minSteps", minSteps, "give 1 or more.");
-	require(maxRelaxSteps >= 0, "maxRelaxSteps", maxRelaxSteps, "give 0 or more.");
 	if (device != "cpu" && device != "gpu" && device != "auto" && device != "twin")
 		throw std::invalid_argument("RveSkeleton.device is '" + device + "': choose cpu, gpu, auto or twin.");
 }

@@ -113,7 +113,6 @@ public:
 				"A sample is also updated when the prediction has changed its stress by twice that, eq. (15.2). 0: fixed tolerance, no such limit. Not used where "
 				"MpmEngine.tolerance is set."))
 		TALIK_ATTRIBUTES_OF_DEM_STEPS
-		((int,maxRelaxSteps,0,,"Further DEM steps at rest while the unbalanced force exceeds 0.01."))
 		((shared_ptr<IceStrength>,iceStrength,,,"How strength and stiffness of the ice bonds follow the temperature of the point, and strength its strain rate in "
 				"physical (calendar) time: strain since the last update of the sample over the calendar time since then. None: they are those of the samples."))
 		((shared_ptr<IceCreep>,iceCreep,,,"How the ice bonds creep at the temperature of the point, over the calendar time since the sample was last updated. "

@@ -75,7 +75,7 @@ struct SampleCall {
 	double        velGrad[9];
 	double        hSize[9], trsf[9];
 	double        norm, strainRate; ///< of the velocity gradient [1/s]
-	double        dt, damping, friction, bondFriction, stiffnessRatio;
+	double        dt, damping, friction, stiffnessRatio;
 	double        iceRatio, tensileStrength, shearStrength, thickness;
 	double        skin, travel, stretch, largestRadius, smallestRadius;            ///< see PackedListUse
 	double        meanRadius, young, bondAreaFactor, bondRange;                    ///< for new lists and bonds

@@ -158,7 +158,6 @@ template <int Dim> SampleCall SampleImage<Dim>::call() const
 	c.dt              = view.dt;
 	c.damping         = view.damping;
 	c.friction        = view.friction;
-	c.bondFriction    = view.bondFriction;
 	c.stiffnessRatio  = view.stiffnessRatio;
 	c.iceRatio        = workspace.iceRatio;
 	c.tensileStrength = workspace.tensileStrength;

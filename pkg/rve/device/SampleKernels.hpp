@@ -86,8 +86,7 @@ namespace N_ONE {
 	{
 		if constexpr (Bonded) {
 			const ContactResponse<One> contact { c.stiffness, c.offset, c.floor, c.cohesion, c.iceShare };
-			const ContactFriction<One> friction { { call.friction }, { call.bondFriction } };
-			return bondedForces(contact, friction, overlap, shear, iceShear, increment, NoMoments(), [&](bool, auto& f) TALIK_INLINED {
+			return bondedForces(contact, One { call.friction }, overlap, shear, iceShear, increment, NoMoments(), [&](bool, auto& f) TALIK_INLINED {
 				settle<Dim>(call, place, fixed, p, f);
 				c = constantsOf<Dim, true>(place, p);
 			});

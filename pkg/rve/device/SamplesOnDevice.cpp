@@ -205,8 +205,7 @@ template <int Dim> std::string SamplesOnDevice<Dim>::reasonAgainst(const PackedR
 {
 	if (request.creep.acts()) return "ice that creeps";
 	if (!(request.strength == BondStrengthFactors()) || request.iceStiffness != 1) return "bonds whose strength or stiffness follows temperature or rate";
-	if (options.relaxSteps > 0 || options.maxRelaxSteps > 0) return "steps of relaxation (maxRelaxSteps)";
-	if (options.averageOver > 0) return "stress averaged over steps";
+	if (options.relaxSteps > 0) return "steps of relaxation";
 	return "";
 }
 

@@ -104,10 +104,8 @@ private:
 	void                  setTimeStep(double seconds);
 	Matrix                velGrad() const;
 	void                  setNextVelGrad(const Matrix&);
-	void                  run(long steps, long averaged = 1);
+	void                  run(long steps);
 	const Matrix&         lastStress() const { return meanStress; }
-	void                  setLastStress(const Matrix& stress) { meanStress = stress; }
-	double                unbalancedForce() const { return statistics().unbalancedForce; }
 	long                  movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions&) const;
 	Matrix                motionPerStep(const Matrix& displacementGradient, long steps) const;
 	void                  setIceSaturation(double iceSaturation);

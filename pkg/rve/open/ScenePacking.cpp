@@ -145,9 +145,7 @@ namespace {
 		if (physics != "Ip2_IceBondMat_IceBondMat_IceBondPhys")
 			return "its contact parameters do not come from Ip2_IceBondMat_IceBondMat_IceBondPhys alone";
 		if (isTrue(loop.attr("physDispatcher").attr("functors")[0], "bondNewContacts")) return "its new contacts are bonded (bondNewContacts)";
-		if (isTrue(lawOf(scene), "healBroken")) return "its law heals broken bonds (healBroken)";
-		const std::string rule = py::extract<std::string>(lawOf(scene).attr("stiffnessRule"));
-		return rule == "parallel" ? "" : "its law has the stiffness rule " + rule;
+		return isTrue(lawOf(scene), "healBroken") ? "its law heals broken bonds (healBroken)" : "";
 	}
 
 	std::string reasonOfEngines(const Scene& scene)
@@ -384,11 +382,9 @@ namespace {
 		state.density           = Dim == 2 ? material.density * (std::abs(scene.cell->hSize(2, 2)) / state.thickness) : material.density;
 		state.ice               = IceBondModel::none();
 		if (isIceBondScene(scene)) {
-			const auto& ice                    = static_cast<const IceBondMat&>(material);
-			const auto  law                    = lawOf(scene);
-			state.ice                          = ice.model();
-			state.iceSaturation                = ice.iceSaturation;
-			state.ice.cohesionDisablesFriction = py::extract<bool>(law.attr("cohesionDisablesFriction"));
+			const auto& ice     = static_cast<const IceBondMat&>(material);
+			state.ice           = ice.model();
+			state.iceSaturation = ice.iceSaturation;
 		}
 		state.ice.young = material.young;
 	}

@@ -20,10 +20,7 @@ struct PackedUpdateOptions {
 	double              saturationIncrement = 0.02;  ///< largest change of ice saturation at once [-]
 	long                stepsPerSaturation  = 2;     ///< steps at zero velocity gradient after each of them
 	long                relaxSteps          = 0;     ///< steps at zero velocity gradient after the motion
-	long                maxRelaxSteps       = 0;     ///< more of them, in tens, while the unbalanced force exceeds `unbalancedLimit`
-	double              unbalancedLimit     = 0.01;  ///< [-]
 	double              flipSkew            = 0.5;   ///< the cell is flipped when a skew passes this; <= 0: never
-	double              averageOver         = 0;     ///< part of the moving steps over which the stress is averaged; 0: the last step alone [-]
 	bool                tangent             = false; ///< also return the elastic tangent of the contact network
 	BondStrengthFactors strength {};                 ///< of the ice bonds in this update
 	double              iceStiffness = 1;            ///< stiffness of ice in this update over that of the material, > 0 [-]

@@ -72,7 +72,9 @@ namespace {
 		std::int32_t       added = here;
 		stream.value(added);
 		if (added != here) throw std::runtime_error("packed sample: saved with other parameters of ice bonds; prepare the sample again");
-		stream.value(p.ice.cohesionDisablesFriction);
+		bool withoutFriction = false; // of intact bonds: an option of Talik 0.1
+		stream.value(withoutFriction);
+		if (withoutFriction) throw std::runtime_error("packed sample: its intact bonds have no friction, which Talik no longer offers; prepare the sample again");
 		for (auto* v : { &p.step, &p.bondsFormed, &p.bondsBrokenInTension, &p.bondsBrokenInShear, &p.bondsMelted })
 			stream.value(*v);
 	}

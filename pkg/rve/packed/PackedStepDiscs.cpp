@@ -65,7 +65,7 @@ namespace HWY_NAMESPACE {
 
 		/// Parameters of the contact law, in every lane.
 		struct Constants {
-			ContactFriction<Many> friction;
+			Many friction;
 			Many                  shearStep; ///< k_s/k_n dt [s]
 		};
 
@@ -114,7 +114,7 @@ namespace HWY_NAMESPACE {
 				                HWY_ATTR TALIK_INLINED { settleBonds<2>(shared, Periodic, packedWidth * p.block + p.lane, failed, forces); });
 				store(f.iceShear, ice.iceShear[0] + p.lane);
 			} else {
-				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
+				f = frictionalForces(stiffness, c.friction, overlap, shear, increment);
 			}
 			store(f.shear, block.shear[0] + p.lane);
 			return f;
@@ -162,7 +162,7 @@ namespace HWY_NAMESPACE {
 			static HWY_NOINLINE void contacts(PackedStepView<2>& shared, const PackedPairs<2> pairs)
 			{
 				const PackedStepView<2> view = shared; // of its own: what vectors are stored to might be a part of a view that others know
-				const Constants         c { { splat(view.friction), splat(view.bondFriction) }, splat(view.stiffnessRatio * view.dt) };
+				const Constants         c { splat(view.friction), splat(view.stiffnessRatio * view.dt) };
 				const auto gatherAt = [&](const Place<2>& p) HWY_ATTR TALIK_INLINED { return gather<Periodic>(view, p); };
 				const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
                                         if (passedOver<Bonded, Rolling>(p, gathered.distance)) return;

@@ -150,7 +150,7 @@ namespace HWY_NAMESPACE {
 
 		/// Parameters of the contact law, in every lane.
 		struct Constants {
-			ContactFriction<Many> friction;
+			Many friction;
 			Many                  shearStep;      ///< k_s/k_n dt [s]
 			Many                  step, halfStep; ///< dt, dt/2 [s]
 		};
@@ -245,7 +245,7 @@ namespace HWY_NAMESPACE {
 				                HWY_ATTR TALIK_INLINED { settleBonds<3>(shared, Periodic, packedWidth * p.block + p.lane, failed, forces); });
 				storeVector(f.iceShear, ice.iceShear, p.lane);
 			} else {
-				f = frictionalForces(stiffness, c.friction.free, overlap, shear, increment);
+				f = frictionalForces(stiffness, c.friction, overlap, shear, increment);
 			}
 			storeVector(f.shear, block.shear, p.lane);
 			if constexpr (Rolling || Moments) r.moment = momentOf<Rolling, Moments>(view, p, c, n, turn, f.normal);
@@ -287,7 +287,7 @@ namespace HWY_NAMESPACE {
 			static HWY_NOINLINE void contacts(PackedStepView<3>& shared, const PackedPairs<3> pairs)
 			{
 				const PackedStepView<3> view = shared; // of its own: what vectors are stored to might be a part of a view that others know
-				const Constants         c { { splat(view.friction), splat(view.bondFriction) },
+				const Constants         c { splat(view.friction),
                                                     splat(view.stiffnessRatio * view.dt),
                                                     splat(view.dt),
                                                     splat(0.5 * view.dt) };

@@ -100,7 +100,6 @@ template <int Dim> struct PackedStepView {
 	double velGrad[Dim * Dim], prevVelGrad[Dim * Dim], nextVelGrad[Dim * Dim];
 
 	double dt, damping, friction, stiffnessRatio;
-	double bondFriction; ///< friction of an intact bond
 
 	void* owner;
 	void (*bondEvent)(void* owner, PackedBondEvent<Dim>* event);

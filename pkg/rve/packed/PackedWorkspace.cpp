@@ -245,9 +245,8 @@ template <int Dim> void PackedWorkspace<Dim>::setStrengths()
 	// what is left of a bond without ice is no ice
 	const BondStrengthFactors factors = base.ice.melted(base.iceSaturation) ? BondStrengthFactors() : strengthFactors;
 
-	tensileStrength   = factors.tensile * base.ice.tensileStrengthAt(base.iceSaturation);
-	shearStrength     = factors.shear * base.ice.shearStrengthAt(base.iceSaturation);
-	view.bondFriction = base.ice.cohesionDisablesFriction ? 0 : view.friction;
+	tensileStrength = factors.tensile * base.ice.tensileStrengthAt(base.iceSaturation);
+	shearStrength   = factors.shear * base.ice.shearStrengthAt(base.iceSaturation);
 }
 
 template <int Dim> void PackedWorkspace<Dim>::selectKernel() { kernel = stepKernel<Dim>(contactKind(), portable); }

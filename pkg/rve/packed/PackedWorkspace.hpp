@@ -43,7 +43,6 @@ public:
 	/// Until a state is loaded.
 	void   setTimeStep(double seconds) { view.dt = seconds; }
 	Matrix velGrad() const { return parameters().velGrad; }
-	double unbalancedForce() const { return statistics().unbalancedForce; }
 	long   movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const;
 	Matrix motionPerStep(const Matrix& displacementGradient, long steps) const { return matrixRootIncrement<Dim>(displacementGradient, steps); }
 
