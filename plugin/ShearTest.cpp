@@ -5,7 +5,6 @@
 #include <pkg/mpm/ThreadPool.hpp>
 #include <pkg/multiscale/samples/RveSample.hpp>
 #include <pkg/python/ScriptValues.hpp>
-#include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <pkg/rve/SimpleShear.hpp>
 
 namespace py = boost::python;
@@ -21,21 +20,14 @@ namespace {
 
 	template <int Dim> Record record(const yade::RveSample& of, ShearPath path)
 	{
-		const auto&         state = of.packed<Dim>();
 		PackedUpdateOptions options;
 		TALIK_TAKE_ATTRIBUTES(options, of, (maxInertialNumber)(maxStrainPerStep)(minSteps)(timeStepFollowsIce))
 		path.across = Dim - 1;
-		PackedWorkspace<Dim> workspace(portablePathForced());
-		workspace.load(state);
-		const auto tangent = workspace.tangent();
-		path.stiffness     = std::max(100 * path.pressure, tangent.at(std::size_t(Dim == 2 ? 15 : 80))); // of the direction across, the last one
 		Record kept;
-		kept.failure = shearSample<Dim>(
-		        path, state.stress, [&](const auto& gradient) { return updateWorkspace<Dim>(workspace, state, gradient, 0, options); },
-		        [&](double shearStress, double normalStress, double) {
-			        kept.shearStress.push_back(shearStress);
-			        kept.normalStress.push_back(normalStress);
-		        });
+		kept.failure = shearPacked<Dim>(of.packed<Dim>(), path, options, [&](double shearStress, double normalStress) {
+			kept.shearStress.push_back(shearStress);
+			kept.normalStress.push_back(normalStress);
+		});
 		return kept;
 	}
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <algorithm>
-#include <functional>
-#include <pkg/rve/packed/PackedSample.hpp>
+#include <pkg/rve/packed/PackedWorkspace.hpp>
 
 namespace talik {
 
@@ -36,29 +35,42 @@ struct ShearPath {
 	long   calls     = 0;
 };
 
-/// Calls visit(shear stress in the direction of motion, normal stress, tension positive, strain across so far) after every call of the sample. Ends
-/// early where that blows up and returns the reason.
-template <int Dim>
-std::string shearSample(
-        const ShearPath& path, const typename PackedTypes<Dim>::Matrix& stressNow,
-        const std::function<PackedUpdateResult<Dim>(const typename PackedTypes<Dim>::Matrix& gradient)>& apply,
-        const std::function<void(double shearStress, double normalStress, double strainAcross)>&         visit)
+/// Calls visit(shear stress in the direction of motion, normal stress, tension positive) after every call of the sample. Ends early where that blows
+/// up and returns the reason.
+template <int Dim, class Apply, class Visit>
+std::string shearSample(const ShearPath& path, const typename PackedTypes<Dim>::Matrix& stressNow, Apply&& apply, Visit&& visit)
 {
 	using Matrix = typename PackedTypes<Dim>::Matrix;
 	NormalStressControl control(path.pressure, std::abs(path.perCall), path.stiffness);
 	const double        direction = path.perCall < 0 ? -1 : 1;
-	double              normal = stressNow(path.across, path.across), across = 0;
+	double              normal    = stressNow(path.across, path.across);
 	for (long k = 0; k < path.calls; ++k) {
 		Matrix gradient                    = Matrix::Zero();
 		gradient(path.along, path.across)  = path.perCall;
 		gradient(path.across, path.across) = control.strain(normal);
 		const auto result                  = apply(gradient);
 		if (result.blewUp) return result.reason.empty() ? "it blew up" : result.reason;
-		across += gradient(path.across, path.across);
 		normal = result.stress(path.across, path.across);
-		visit(direction * result.stress(path.along, path.across), normal, across);
+		visit(direction * result.stress(path.along, path.across), normal);
 	}
 	return "";
+}
+
+/// Order of magnitude of the stiffness across the planes of shear [Pa].
+template <int Dim> double stiffnessAcross(const PackedTangent<Dim>& tangent, const ShearPath& path)
+{
+	const int a = path.across;
+	return std::max(100 * path.pressure, tangent[std::size_t((a * Dim + a) * Dim + a) * Dim + std::size_t(a)]);
+}
+
+/// The same of a packed sample, which stays as it is; its stiffness is looked up.
+template <int Dim, class Visit> std::string shearPacked(const PackedState<Dim>& state, ShearPath path, const PackedUpdateOptions& options, Visit&& visit)
+{
+	PackedWorkspace<Dim> sample(portablePathForced());
+	sample.load(state);
+	path.stiffness = stiffnessAcross<Dim>(sample.tangent(), path);
+	return shearSample<Dim>(
+	        path, state.stress, [&](const auto& gradient) { return updateWorkspace<Dim>(sample, state, gradient, 0, options); }, visit);
 }
 
 } // namespace talik

@@ -85,40 +85,30 @@ namespace {
 		return path;
 	}
 
-	template <int Dim> double stiffnessAcross(const PackedTangent<Dim>& tangent, int axis, double atLeast)
+	template <int Dim> Outcome outcomeOfPacked(const PackedState<Dim>& state, const Run& run, double timesLonger)
 	{
-		return std::max(atLeast, tangent[std::size_t((axis * Dim + axis) * Dim + axis) * Dim + std::size_t(axis)]);
-	}
-
-	template <int Dim> Outcome shearPacked(const PackedState<Dim>& state, const Run& run, double timesLonger)
-	{
-		PackedWorkspace<Dim> sample(portablePathForced());
-		sample.load(state);
-		const auto          stress = state.stress;
 		PackedUpdateOptions options;
 		options.maxInertialNumber = quasiStatic;
 		const double shear        = std::min(mostShear, std::max(leastShear, grainsTimesShear / double(state.size())));
 		ShearPath    path         = pathOf(run, timesLonger * shear, perCall);
-		path.pressure             = heldPressure(stress);
-		path.stiffness            = stiffnessAcross<Dim>(sample.tangent(), run.across, 100 * path.pressure);
+		path.pressure             = heldPressure(state.stress);
 		Means   means(std::lround(forgotten / perCall));
 		Outcome outcome;
-		outcome.failure = shearSample<Dim>(
-		        path, stress, [&](const auto& gradient) { return updateWorkspace<Dim>(sample, state, gradient, 0, options); },
-		        [&](double shearStress, double normalStress, double) { means.add(shearStress, normalStress); });
+		outcome.failure = shearPacked<Dim>(
+		        state, path, options, [&](double shearStress, double normalStress) { means.add(shearStress, normalStress); });
 		outcome.friction = means.friction();
 		return outcome;
 	}
 
 	/// At the speed that samples behind points have, which takes a tenth of the steps.
-	template <int Dim> Outcome shearOpen(const std::string& scene, const Run& run)
+	template <int Dim> Outcome outcomeOfOpen(const std::string& scene, const Run& run)
 	{
 		constexpr double ofCall = 1e-4;
 		forbidRedirection();
 		OpenSample sample(scene);
 		ShearPath  path = pathOf(run, leastShear, ofCall);
 		path.pressure   = heldPressure(sample.stress().topLeftCorner<Dim, Dim>());
-		path.stiffness  = stiffnessAcross<3>(sample.tangent(), run.across, 100 * path.pressure);
+		path.stiffness  = stiffnessAcross<3>(sample.tangent(), path);
 		Means   means(std::lround(forgotten / ofCall));
 		Outcome outcome;
 		outcome.failure = shearSample<Dim>(
@@ -133,7 +123,7 @@ namespace {
 			        result.reason = all.reason;
 			        return result;
 		        },
-		        [&](double shearStress, double normalStress, double) { means.add(shearStress, normalStress); });
+		        [&](double shearStress, double normalStress) { means.add(shearStress, normalStress); });
 		outcome.friction = means.friction();
 		return outcome;
 	}
@@ -168,8 +158,8 @@ namespace {
 		const auto                      shear = [&](std::size_t r) {
                         const auto& source = sources[runs[r].source];
                         try {
-                                outcomes[r] = source.packed ? shearPacked<Dim>(*source.packed, runs[r], double(runsOfPacked) / double(runs.size()))
-				                                                 : shearOpen<Dim>(source.scene, runs[r]);
+                                outcomes[r] = source.packed ? outcomeOfPacked<Dim>(*source.packed, runs[r], double(runsOfPacked) / double(runs.size()))
+				                                                 : outcomeOfOpen<Dim>(source.scene, runs[r]);
                         } catch (...) {
                                 failures[r] = std::current_exception();
                         }
