@@ -9,7 +9,7 @@ import talik
 from yade import wrapper
 
 ofYade = {"dict", "updateAttrs", "qtHide", "dispHierarchy", "newAssocState"}  # what every class of YADE has
-ofConsole = {"heldByWaitingGround", "renewWaitingGrounds", "usePortablePath"}  # what the console needs
+ofConsole = {"settingChanged", "usePortablePath"}  # what the console needs
 parts = {"files", "studies"}  # of other modules and programs
 
 sections = (

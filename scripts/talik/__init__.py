@@ -169,10 +169,13 @@ def __getattr__(name):
 	raise AttributeError(f"module 'talik' has no attribute '{name}'")
 
 
-from .inspection import back, inspect, inspectPoint as _inspectPoint, backToGround as _backToGround
+from . import inspection as _inspection
+from .inspection import back, inspect
 
-_sys.modules["yade.wrapper"].MpmEngine.inspect = _inspectPoint
-_sys.modules["yade.wrapper"].MpmEngine.back = _backToGround
+_sys.modules["yade.wrapper"].MpmEngine.inspect = _inspection.inspectPoint
+_sys.modules["yade.wrapper"].MpmEngine.back = _inspection.backToGround
+for _name in ("pick", "most", "mostBroken", "mostStrained"):
+	setattr(_sys.modules["yade.wrapper"].MpmEngine, _name, getattr(_inspection, _name))
 
 
 def check(mpm):

@@ -164,3 +164,41 @@ def _backToTheFirst():
 	"""YADE ends with the scene that it began with."""
 	if _shown:
 		_shown[0]._leave()
+
+
+# ---- points by what they suffer --------------------------------------------------------------------------------------------
+
+
+def pick(mpm, x, y, z=None):
+	"""Id of the point nearest to (x, y), in space (x, y, z) [m], in its present position."""
+	import numpy as np
+
+	position, place = mpm.field("position"), [x, y] if z is None else [x, y, z]
+	if len(place) != position.shape[1]:
+		raise ValueError("MpmEngine.pick: " + ("the ground is in space: give x, y and z." if z is None else "the ground lies in the plane: give x and y only."))
+	distance = np.linalg.norm(position - np.array(place, float), axis=1)
+	if not np.isfinite(distance).any():
+		raise ValueError(f"MpmEngine.pick: ({', '.join(map(str, place))}) is no place.")
+	return int(np.nanargmin(distance))
+
+
+def most(mpm, field, n=10):
+	"""Ids of the n points with the largest values of a field, largest first, the lower id first among equals; vectors and tensors by their
+	length, points without a value left out."""
+	import numpy as np
+
+	if n < 0:
+		raise ValueError(f"MpmEngine.most: n is {n}: give 0 or more.")
+	values = mpm.field(field)
+	size = values if values.ndim == 1 else np.linalg.norm(values, axis=1)
+	return [int(id) for id in np.argsort(-size, kind="stable") if not np.isnan(size[id])][:n]
+
+
+def mostBroken(mpm, n=10):
+	"""Ids of the n points whose samples have lost most bonds mechanically."""
+	return most(mpm, "bondsBroken", n)
+
+
+def mostStrained(mpm, n=10):
+	"""Ids of the n points with the largest deviatoric strain."""
+	return most(mpm, "deviatoricStrain", n)

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <Eigen/Eigenvalues>
 #include <limits>
-#include <numeric>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -204,57 +203,6 @@ py::object MpmEngine::field(const string& name)
 			data[i * parts + c] = component[i];
 	}
 	return result;
-}
-
-// ---- points by what they suffer --------------------------------------------------------------------------------------------
-
-int MpmEngine::pick(const py::object& x, const py::object& y, const py::object& z)
-{
-	const auto&  g      = runningGround();
-	const string called = "MpmEngine.pick: ";
-	if (z.is_none() != (g.dimension() == 2))
-		throw std::invalid_argument(
-		        called + (z.is_none() ? "the ground is in space: give x, y and z." : "the ground lies in the plane: give x and y only."));
-	const py::object coordinates[] = { x, y, z };
-	Real             at[3];
-	string           text;
-	for (int a = 0; a < g.dimension(); ++a) {
-		at[a] = py::extract<Real>(coordinates[a]);
-		text += (a ? ", " : "(") + talik::asText(at[a]);
-	}
-	vector<vector<Real>> position(g.dimension(), vector<Real>(pointCount()));
-	for (int a = 0; a < g.dimension(); ++a)
-		g.copyById("position", a, position[a].data());
-	int  nearest = -1;
-	Real least   = std::numeric_limits<Real>::infinity();
-	for (int id = 0; id < pointCount(); ++id) {
-		Real square = 0;
-		for (int a = 0; a < g.dimension(); ++a)
-			square += (position[a][id] - at[a]) * (position[a][id] - at[a]);
-		if (!(square < least)) continue; // also where the place is not a number
-		least   = square;
-		nearest = id;
-	}
-	if (nearest < 0) throw std::invalid_argument(called + text + ") is no place.");
-	return nearest;
-}
-
-py::list MpmEngine::most(const string& name, int count)
-{
-	if (count < 0) throw std::invalid_argument("MpmEngine.most: n is " + std::to_string(count) + ": give 0 or more.");
-	const np::ndarray            values = py::extract<np::ndarray>(field(name))();
-	const int                    points = values.shape(0), parts = values.get_nd() == 1 ? 1 : values.shape(1);
-	vector<std::pair<Real, int>> order;
-	for (int id = 0; id < points; ++id) {
-		const Real* row  = reinterpret_cast<const Real*>(values.get_data()) + id * parts;
-		const Real  size = parts == 1 ? row[0] : std::sqrt(std::inner_product(row, row + parts, row, 0.));
-		if (!std::isnan(size)) order.emplace_back(-size, id);
-	}
-	std::sort(order.begin(), order.end());
-	py::list ids;
-	for (int k = 0; k < std::min(count, int(order.size())); ++k)
-		ids.append(order[k].second);
-	return ids;
 }
 
 vector<Real> MpmEngine::valueAt(const string& name, int id)

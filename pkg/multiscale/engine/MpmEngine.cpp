@@ -3,10 +3,11 @@
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/engine/MpmEngine.hpp>
-#include <pkg/python/StepGate.hpp>
+#include <pkg/python/PythonFunction.hpp>
 #include <pkg/ranks/Communicator.hpp>
 #include <pkg/thm/Errors.hpp>
 
+#include <boost/python/stl_iterator.hpp>
 #include <iomanip>
 #include <iostream>
 #include <set>
@@ -37,8 +38,11 @@ void MpmEngine::discardGround()
 	if (watchesDefault) watched->fields.clear();
 }
 
+std::atomic<std::uint64_t> MpmEngine::settingsChanged { 0 };
+
 bool MpmEngine::isAsSet() const
 {
+	if (settingsWhenMade != settingsChanged) return false;
 	try {
 		checkFixed();
 	} catch (const std::invalid_argument&) {
@@ -245,13 +249,14 @@ void MpmEngine::initialise()
 	effectCount       = effects.size();
 	groundOfScene     = GroundOfScene::make(*this, usedDimension(), goesOn);
 	ground            = &groundOfScene->ground();
+	settingsWhenMade  = settingsChanged;
 	stepsUntilLimit   = 0;
 	bodiesNamed       = false;
 	stableStep        = 0;
 	toleranceInForce  = tolerance;
 	distributeInForce = distribute;
 	try {
-		if (mayBeInBands()) ground->distribute(talik::jobCommunicator(), distribute == "ground");
+		if (mayBeInSlabs()) ground->distribute(talik::jobCommunicator(), distribute == "ground");
 		ground->initialise();
 		sayHowRanksShare();
 		restoreSavedState();
@@ -272,29 +277,34 @@ void MpmEngine::dropGround()
 	groundOfScene.reset();
 }
 
-py::list MpmEngine::doubts()
+/// What talik.plausibility finds hardly meant: sentences, grave ones, or samples of a ground that was made.
+vector<string> MpmEngine::foundHardlyMeant(const char* which)
 {
-	py::list sentences;
-	for (const auto& doubt : talik::doubtsAbout(*this))
-		sentences.append(doubt.sentence);
-	for (const string& sentence : doubtsOfTheStart())
-		sentences.append(sentence);
-	return sentences;
+	const talik::PythonLock held;
+	try {
+		const py::object sentences = py::import("talik.plausibility").attr(which)(py::ptr(this));
+		return { py::stl_input_iterator<string>(sentences), py::stl_input_iterator<string>() };
+	} catch (const py::error_already_set&) {
+		throw std::runtime_error("talik.plausibility: " + talik::takePythonError());
+	}
 }
 
-/// What shows once the ground is made. Not on several ranks, of which one alone may ask.
-vector<string> MpmEngine::doubtsOfTheStart()
+/// With what shows once the ground is made. Not on several ranks, of which one alone may ask.
+py::list MpmEngine::doubts()
 {
-	vector<string> sentences;
+	py::list   sentences;
+	const auto add = [&](const string& sentence) { sentences.append(sentence); };
+	for (const auto& sentence : foundHardlyMeant("sentences"))
+		add(sentence);
 	if (begun || !saved.empty() || pointCount() == 0 || talik::jobCommunicator()) return sentences;
 	const bool waiting = ground != nullptr;
 	silent             = true;
 	try {
 		initialise();
-		for (const auto& doubt : talik::doubtsAboutSamples(*this, *ground))
-			sentences.push_back(doubt.sentence);
+		for (const auto& sentence : foundHardlyMeant("samples"))
+			add(sentence);
 	} catch (const std::invalid_argument& refusal) {
-		sentences.push_back("The first step refuses this ground: " + string(refusal.what()));
+		add("The first step refuses this ground: " + string(refusal.what()));
 	}
 	silent = false;
 	if (ground && !waiting) discardGround();
@@ -339,7 +349,7 @@ string MpmEngine::notInSlabs() const
 }
 
 /// Each rank computes a band of this ground, if nothing in it forbids that.
-bool MpmEngine::mayBeInBands() const
+bool MpmEngine::mayBeInSlabs() const
 {
 	constexpr int worthwhile = 100000; // points
 	if (!talik::jobCommunicator()) return false;
@@ -383,8 +393,9 @@ void MpmEngine::compareRanks()
 
 void MpmEngine::sayGraveDoubts()
 {
-	for (const auto& doubt : talik::doubtsAbout(*this))
-		if (doubt.grave) say("Talik warns: " + doubt.sentence);
+	if (silent) return;
+	for (const auto& sentence : foundHardlyMeant("grave"))
+		say("Talik warns: " + sentence);
 }
 
 talik::AnyGround& MpmEngine::runningGround()

@@ -24,7 +24,6 @@ namespace yade {
 /// archive in GroundArchive.cpp, all that depends on the dimension in GroundOfScene.
 class MpmEngine : public GlobalEngine {
 public:
-	virtual ~MpmEngine();
 	void action() override;
 
 	/// position (n,2) or (n,3) [m]; the rest scalars or arrays of n.
@@ -37,20 +36,14 @@ public:
 	/// A step was taken, or the state changed by hand: settings that the ground was built with stay from then on. Until then a change of
 	/// them makes the ground anew from its inputs.
 	bool hasBegun() const;
-	/// Whether a ground that was made but has not begun holds this object.
-	static bool heldByWaitingGround(const shared_ptr<Serializable>& part);
-	/// Waiting grounds that hold this object are made anew when they are next asked.
-	static void renewWaitingGrounds(const shared_ptr<Serializable>& part);
+	/// A script has changed some setting: grounds that have not begun are made anew when they are next asked.
+	static void settingChanged() { ++settingsChanged; }
 	double      stableTimeStep();
 
 	::boost::python::dict   timeStepLimits();
 	::boost::python::list   fieldNames();
 	::boost::python::list   fields();
 	::boost::python::object field(const string& name);
-	int                     pick(const ::boost::python::object& x, const ::boost::python::object& y, const ::boost::python::object& z);
-	::boost::python::list   most(const string& field, int count);
-	::boost::python::list   mostBroken(int count) { return most("bondsBroken", count); }
-	::boost::python::list   mostStrained(int count) { return most("deviatoricStrain", count); }
 	void                    watch(::boost::python::object ids, Real interval, ::boost::python::object names);
 	::boost::python::dict   history(int id) const;
 	/// O shows one of the samples: the ground does not step.
@@ -68,6 +61,7 @@ public:
 	::boost::python::list   events();
 	void                    setDay(Real day);
 	double                  skemptonB();
+	::boost::python::dict addedPoints() const { return points.arrays(); }
 	/// Sentences about settings that are valid and hardly meant.
 	::boost::python::list doubts();
 	void                  resetDisplacement();
@@ -102,12 +96,10 @@ private:
 	void                            checkChangeable() const;
 	void                            checkFixed() const;
 	bool                            isAsSet() const;
-	bool                            holds(const shared_ptr<Serializable>& part) const;
 	void                            discardGround();
 	void                            dropGround();
 	void                            requireDimension(int ofPoints) const;
 	void                            followInputs();
-	void                            enrol();
 	void                            restoreSavedState();
 	void                            restoreArrays(talik::ByteReader& reader, const vector<talik::StateArray>& arrays) const;
 	void                            checkExchange(const vector<shared_ptr<SkeletonLaw>>& laws, const vector<int>& skeletonOf) const;
@@ -118,10 +110,10 @@ private:
 	void                            warnOfCalendar();
 	void                            stopAtTheDay(double before);
 	void                            sayGraveDoubts();
-	vector<string>                  doubtsOfTheStart();
+	vector<string>                  foundHardlyMeant(const char* which);
 	void                            say(const string& sentence);
 	void                            shareAmongRanks();
-	bool                            mayBeInBands() const;
+	bool                            mayBeInSlabs() const;
 	string                          notInSlabs() const;
 	void                            sayHowRanksShare();
 	void                            meetBefore(const string& change) const;
@@ -144,6 +136,7 @@ private:
 	[[noreturn]] void               refuseField(const string& name);
 	vector<Real>                    valueAt(const string& name, int id);
 	void                            recordWatched();
+	static std::atomic<std::uint64_t> settingsChanged; ///< how often, by scripts, in all scenes
 
 	std::shared_ptr<GroundOfScene> groundOfScene;
 	talik::AnyGround*              ground        = nullptr;                               ///< that of groundOfScene
@@ -152,6 +145,7 @@ private:
 	long                           nextComparison = 0;     ///< step from which on the ranks compare their ground again
 	bool                           bodiesNamed    = false; ///< boundaries have found the bodies that they name
 	bool                           begun = false, watchesDefault = false;
+	std::uint64_t                  settingsWhenMade = 0; ///< count of `settingsChanged` when the ground was made
 	bool                           silent = false; ///< the ground is made to see whether the first step would refuse it
 	string                         failure;
 	std::set<string>               said;
@@ -238,7 +232,7 @@ public:
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
 		((talik::PointTable,points,,Attr::hidden,"Points as they were added."))
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
-		,/*ctor*/ enrol(); talik::GroundVector::registerOnce(); talik::SequenceConverter<GroundMaterial>::registerOnce(); ,
+		,/*ctor*/ talik::GroundVector::registerOnce(); talik::SequenceConverter<GroundMaterial>::registerOnce(); ,
 		/*py*/
 		.def("addPoints",::boost::python::raw_function(&MpmEngine::pyAddPoints,2),"addPoints(position, volume, porosity=0.4, temperature=0, pressure=0, skeleton=0, "
 				"stress=(0,0,0,0), velocity=(0,0), poreFill=nan, material=0): add material points before the first step. position (n,2) or, in space, "
@@ -246,6 +240,7 @@ public:
 				"xx yy zz yz xz xy [Pa] as field('stress') gives it, not of points with samples, velocity as position [m/s], poreFill: part of the "
 				"pores that holds water or ice [-], nan: that of the engine, material: name or number of one of materials; all but position "
 				"may be scalars. ValueError names what is wrong.")
+		.def("addedPoints",&MpmEngine::addedPoints,"Dictionary of arrays: the points as they were added, by the names of addPoints().")
 		.def("initialise",&MpmEngine::initialise,"Check all settings and set the initial state now rather than in the first step. ValueError names attribute, value "
 				"and remedy.")
 		.def("stableTimeStep",&MpmEngine::stableTimeStep,"Largest stable time step with the present state [s].")
@@ -255,12 +250,6 @@ public:
 		.def("field",&MpmEngine::field,(::boost::python::arg("name")),"A field of the points as a NumPy array (n,) or (n,components), in the order of the points' "
 				"ids; stress has the components xx, yy, zz, xy, in space xx, yy, zz, yz, xz, xy. Beside the stored fields: strain, the logarithmic strain since the start "
 				"(xx, yy, xy; in space as stress); deviatoricStrain, sqrt(2/3 e:e) of it; the measures of the samples, see RveSkeleton.values.")
-		.def("pick",&MpmEngine::pick,(::boost::python::arg("x"),::boost::python::arg("y"),::boost::python::arg("z")=::boost::python::object()),"Id of the point "
-				"nearest to (x, y), in space (x, y, z) [m], in its present position.")
-		.def("most",&MpmEngine::most,(::boost::python::arg("field"),::boost::python::arg("n")=10),"Ids of the n points with the largest values of a field, largest "
-				"first, the lower id first among equals; vectors and tensors by their length, points without a value left out.")
-		.def("mostBroken",&MpmEngine::mostBroken,(::boost::python::arg("n")=10),"Ids of the n points whose samples have lost most bonds mechanically.")
-		.def("mostStrained",&MpmEngine::mostStrained,(::boost::python::arg("n")=10),"Ids of the n points with the largest deviatoric strain.")
 		.def("watch",&MpmEngine::watch,(::boost::python::arg("ids"),::boost::python::arg("interval")=0.,::boost::python::arg("fields")=::boost::python::list()),
 				"Record the histories of some points from now on: fields (default: all that say something of soil or sample) every interval seconds, 0 for every step. "
 						"Saved with the scene; see history(). A second call begins anew, watch([]) deletes all records.")
@@ -307,10 +296,8 @@ public:
 		.add_property("initialised",&MpmEngine::isInitialised,"True once the initial state is set.")
 		.add_property("begun",&MpmEngine::hasBegun,"True once a step was taken or the state was changed by hand (setTemperature, setDay, exchangeSkeletons, "
 				"replaceSample). Until then every setting may be changed, also after fields were read.")
-		.def("heldByWaitingGround",&MpmEngine::heldByWaitingGround,(::boost::python::arg("part")),"True if a ground whose fields were read but that has not begun "
-				"holds this object.").staticmethod("heldByWaitingGround")
-		.def("renewWaitingGrounds",&MpmEngine::renewWaitingGrounds,(::boost::python::arg("part")),"Grounds that hold this object and have not begun are made anew "
-				"from their settings when they are next asked. Done by every change of an attribute.").staticmethod("renewWaitingGrounds")
+		.def("settingChanged",&MpmEngine::settingChanged,"Grounds whose fields were read but that have not begun are made anew from their settings when they are "
+				"next asked. Done by every change of an attribute.").staticmethod("settingChanged")
 	);
 	// clang-format on
 	/// Throws AttributeError with the attribute that has taken the place of this one.
@@ -319,17 +306,3 @@ public:
 REGISTER_SERIALIZABLE(MpmEngine);
 
 } // namespace yade
-
-namespace talik {
-
-/// A setting that is valid and yet hardly what was meant.
-struct Doubt {
-	std::string sentence; ///< attribute, value, what was probably meant
-	bool        grave;    ///< nothing sensible comes of it: the first step says so unasked
-};
-
-std::vector<Doubt> doubtsAbout(const yade::MpmEngine& mpm);
-/// Of a ground that was made and has not begun: samples whose stress does not fit their depth.
-std::vector<Doubt> doubtsAboutSamples(const yade::MpmEngine& mpm, const AnyGround& ground);
-
-} // namespace talik

@@ -208,6 +208,24 @@ template <int D> PointInput<D> PointTable::point(int id) const
 template PointInput<2> PointTable::point<2>(int) const;
 template PointInput<3> PointTable::point<3>(int) const;
 
+py::dict PointTable::arrays() const
+{
+	py::dict   all;
+	const auto put = [&](const char* name, std::size_t width, auto numberAt) {
+		np::ndarray array = np::empty(width == 1 ? py::make_tuple(count_) : py::make_tuple(count_, width), np::dtype::get_builtin<double>());
+		for (std::size_t k = 0; k < width * std::size_t(count_); ++k)
+			reinterpret_cast<double*>(array.get_data())[k] = numberAt(int(k / width), int(k % width));
+		all[name] = array;
+	};
+	const auto  optional = optionalColumns(dimension_);
+	std::size_t column   = 0;
+	put("position", std::size_t(dimension_), [&](int id, int c) { return position(id, c); });
+	for (const Column& each : optional)
+		put(each.name, std::size_t(each.components), [&, k = ++column](int id, int c) { return number(k, id, c); });
+	put("material", 1, [&](int id, int) { return double(material(id)); });
+	return all;
+}
+
 std::uint64_t PointTable::digest() const
 {
 	Checksum checksum;

@@ -26,6 +26,8 @@ public:
 	void add(const ::boost::python::dict& arrays);
 
 	template <int D> PointInput<D> point(int id) const;
+	/// The same dictionary, of arrays with a row for each point.
+	::boost::python::dict arrays() const;
 
 	double position(int id, int axis) const { return number(0, id, axis); }
 	double volume(int id) const { return number(1, id); }

@@ -60,8 +60,7 @@ def _seenByGrounds(part, names, stockSet):
 	from yade import wrapper
 
 	used = [name for name in names if _usedByRunningGround(part, name)]
-	waiting = [name for name in names if isinstance(getattr(type(part), name), property)] if wrapper.MpmEngine.heldByWaitingGround(part) else []
-	before = {name: getattr(part, name) for name in {*used, *waiting}}
+	before = {name: getattr(part, name) for name in used}
 	yield
 	for name in used:
 		value = getattr(part, name)
@@ -72,8 +71,8 @@ def _seenByGrounds(part, names, stockSet):
 				f"{type(part).__name__}.{name} is {value!r} too late: the running ground was built with {before[name]!r} and stays so. "
 				f"Set it before the first step or begin anew{_whatChangesInTime(part, name)}."
 			)
-	if any(not _same(before[name], getattr(part, name)) for name in waiting):
-		wrapper.MpmEngine.renewWaitingGrounds(part)
+	if isinstance(part, (*_partsOfGround(wrapper.MpmEngine), wrapper.IceStrength, wrapper.IceCreep)):
+		wrapper.MpmEngine.settingChanged()
 
 
 def _whatChangesInTime(part, name):
