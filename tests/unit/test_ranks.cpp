@@ -132,8 +132,8 @@ TEST(Ranks, SamplesSavedByOneNumberOfRanksGoOnWithAnother)
 namespace {
 
 /// Updates of the samples of one rank whose points go from rank to rank every seventh turn; on one rank, of all.
-struct InBands {
-	explicit InBands(std::shared_ptr<Communicator> others)
+struct InSlabs {
+	explicit InSlabs(std::shared_ptr<Communicator> others)
 	        : communicator(std::move(others))
 	{}
 	void prepare(SampleStoreOf<3>& store) const
@@ -205,7 +205,7 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 {
 	const auto          one = packedStore();
 	std::vector<double> wanted, wantedLater;
-	const InBands       alone(nullptr);
+	const InSlabs       alone(nullptr);
 	alone.prepare(*one);
 	alone.follow(*one, 0, 60, wanted);
 	const std::string half = savedBy(*one), file = testing::TempDir() + "states", inFile = writtenBy(*one, file + "0");
@@ -215,31 +215,31 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 		std::vector<int>           same(std::size_t(ranks), 0);
 		std::vector<std::uint64_t> owned(same.size()), moved(same.size());
 		asRanks(ranks, [&](const std::shared_ptr<Communicator>& communicator) {
-			const InBands       banded(communicator);
+			const InSlabs       ofSlabs(communicator);
 			SlabStore<3>        store(packedStore(), communicator);
 			std::vector<double> numbers, later;
-			banded.prepare(store);
-			banded.follow(store, 0, 60, numbers);
+			ofSlabs.prepare(store);
+			ofSlabs.follow(store, 0, 60, numbers);
 			const bool halfSame = savedBy(store) == half;
 			const auto store60  = store.layout();
 			const auto ofRanks  = file + std::to_string(ranks);
 			const bool fileSame = communicator->rank() != 1 || writtenBy(store, ofRanks) == inFile;
 			communicator->meet("rank 1 has planned the file, and all have written it");
-			banded.follow(store, 60, 80, later);
+			ofSlabs.follow(store, 60, 80, later);
 			const bool wholeSame = savedBy(store) == whole;
 
 			SlabStore<3> resumed(packedStore(), communicator); // by each rank what is its own
-			banded.prepare(resumed);
-			resumed.own(banded.owners(60 / 7));
+			ofSlabs.prepare(resumed);
+			resumed.own(ofSlabs.owners(60 / 7));
 			ByteReader reader(half);
 			resumed.restore(reader);
 			std::vector<double> again, fromFile;
-			banded.follow(resumed, 60, 80, again);
+			ofSlabs.follow(resumed, 60, 80, again);
 			SlabStore<3> read(packedStore(), communicator);
-			banded.prepare(read);
-			read.own(banded.owners(60 / 7));
+			ofSlabs.prepare(read);
+			read.own(ofSlabs.owners(60 / 7));
 			read.restore(store60, PartedFile(ofRanks, PartedFile::For::reading), 8);
-			banded.follow(read, 60, 80, fromFile);
+			ofSlabs.follow(read, 60, 80, fromFile);
 			const auto rank = std::size_t(communicator->rank());
 			same[rank]      = halfSame + 2 * wholeSame + 4 * (numbers == wanted) + 8 * (later == wantedLater) + 16 * (again == wantedLater)
 			        + 32 * (savedBy(resumed) == whole) + 64 * fileSame + 128 * (fromFile == wantedLater);
@@ -278,11 +278,11 @@ TEST(Ranks, ARankThatLooksBeforeAllReplaceASampleSeesItAsItWas)
 {
 	std::vector<double> before(2, -1), wanted(2, -2);
 	asRanks(2, [&](const std::shared_ptr<Communicator>& communicator) {
-		const InBands       banded(communicator);
+		const InSlabs       ofSlabs(communicator);
 		SlabStore<3>        store(packedStore(), communicator);
 		std::vector<double> numbers;
-		banded.prepare(store);
-		banded.follow(store, 0, 9, numbers);
+		ofSlabs.prepare(store);
+		ofSlabs.follow(store, 0, 9, numbers);
 		const std::size_t sample = 8; // of rank 1
 		const auto        look   = [&] { return store.measure(sample, "coordinationNumber")[0] + store.measure(sample, "fabric")[0]; };
 		if (communicator->rank() == 1) wanted[1] = look();
@@ -301,9 +301,9 @@ TEST(Ranks, ARankThatAsksForWhatAnotherHasDroppedIsToldSo)
 {
 	std::string said;
 	asRanks(2, [&](const std::shared_ptr<Communicator>& communicator) {
-		const InBands banded(communicator);
+		const InSlabs ofSlabs(communicator);
 		auto          store = std::make_unique<SlabStore<3>>(packedStore(), communicator);
-		banded.prepare(*store);
+		ofSlabs.prepare(*store);
 		if (communicator->rank() == 1) store.reset();
 		else try {
 				store->measureAll("fabric");

@@ -33,7 +33,7 @@ template <int Dim>
 SampleSkeleton<Dim>::SampleSkeleton(std::shared_ptr<SampleStoreOf<Dim>> samples, std::vector<int> of, const SampleScheduling& s)
         : PointSamples(samples, std::move(of), s)
         , store(std::move(samples))
-        , banded(std::dynamic_pointer_cast<SlabStore<Dim>>(store))
+        , ofSlabs(std::dynamic_pointer_cast<SlabStore<Dim>>(store))
 {}
 
 template <int Dim> void SampleSkeleton<Dim>::declareFields(PointFields& f, const std::string& prefix)
@@ -69,7 +69,7 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 		if (accuracy) accuracy->begin(place);
 	}
 	count.points = placeOf.size();
-	if (slabs) banded->own(owners(store->size()));
+	if (slabs) ofSlabs->own(owners(store->size()));
 }
 
 template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Dim>& batch)
@@ -77,7 +77,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 	const Record                a = fields.record();
 	const StressPrediction<Dim> predictor { a };
 	const auto                  when = scheduler();
-	if (slabs) banded->beginStep();
+	if (slabs) ofSlabs->beginStep();
 	if (accuracy) accuracy->countStep();
 	if (a.time) when.passTime(a, batch);
 	flagScratch.assign(batch.count, 0);
@@ -103,7 +103,7 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 	dueScratch.clear();
 	for (int k = 0; k < batch.count; ++k)
 		if (flagScratch[k]) dueScratch.push_back(batch.place[k]);
-	if (slabs) askInBands(batch, dueScratch, a);
+	if (slabs) askInSlabs(batch, dueScratch, a);
 	else if (!dueScratch.empty()) book(ask(batch, dueScratch, a));
 }
 
@@ -176,7 +176,7 @@ SampleAccuracy::Term SampleSkeleton<Dim>::steer(
 
 /// Answers stay where their points are. What has to be known by all ranks is how many there were, what they add to the estimated error, and
 /// which samples blew up.
-template <int Dim> void SampleSkeleton<Dim>::askInBands(const SkeletonBatch<Dim>& batch, const std::vector<int>& due, const Record& a)
+template <int Dim> void SampleSkeleton<Dim>::askInSlabs(const SkeletonBatch<Dim>& batch, const std::vector<int>& due, const Record& a)
 {
 	Asked       own;
 	std::string failure;
@@ -194,7 +194,7 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAl
 		std::uint64_t calls, steps, errors, hasWords;
 		double        cost;
 	};
-	const auto byRank = slabs->byRank(Told { own.calls, own.steps, own.errors.size(), !failure.empty() || !own.blownUp.empty(), banded->takeCost() });
+	const auto byRank = slabs->byRank(Told { own.calls, own.steps, own.errors.size(), !failure.empty() || !own.blownUp.empty(), ofSlabs->takeCost() });
 	Asked      all;
 	bool       anyWords = false;
 	std::vector<std::size_t> lengths;
@@ -208,7 +208,7 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAl
 		lengths.push_back(told.errors * sizeof(SampleAccuracy::Term));
 		costs.push_back(told.cost);
 	}
-	banded->bookCosts(costs);
+	ofSlabs->bookCosts(costs);
 	all.errors.resize(errors);
 	if (errors > 0) slabs->ranks().allGather(own.errors.data(), lengths, all.errors.data());
 	if (!anyWords) return all;
@@ -218,7 +218,7 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAl
 	for (const auto& [id, reason] : own.blownUp) {
 		words.number(std::uint64_t(id));
 		words.block(reason);
-		words.block(banded->stateToShow(sampleNumber(id))); // the first rank keeps it
+		words.block(ofSlabs->stateToShow(sampleNumber(id))); // the first rank keeps it
 	}
 	const auto said = slabs->say(words.bytes());
 	for (int rank = 0; rank < slabs->count(); ++rank) {
@@ -228,7 +228,7 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAl
 		for (std::uint64_t left = reader.number(); left > 0; --left) {
 			const int id = int(reader.number());
 			all.blownUp.push_back({ id, reader.block() });
-			banded->show(sampleNumber(id), reader.block());
+			ofSlabs->show(sampleNumber(id), reader.block());
 		}
 	}
 	return all;
@@ -236,8 +236,8 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAl
 
 template <int Dim> void SampleSkeleton<Dim>::addCost(const SkeletonPoints& points, double* costByPlace)
 {
-	for (int k = 0; banded && k < points.count; ++k)
-		costByPlace[points.place[k]] += pointStepsPerCost * banded->takeCost(sampleNumber(points.id[points.place[k]]));
+	for (int k = 0; ofSlabs && k < points.count; ++k)
+		costByPlace[points.place[k]] += pointStepsPerCost * ofSlabs->takeCost(sampleNumber(points.id[points.place[k]]));
 }
 
 /// The rank of the point of each sample, -1 for one that no point has.
@@ -254,17 +254,17 @@ template <int Dim> std::vector<int> SampleSkeleton<Dim>::owners(std::size_t samp
 
 template <int Dim> void SampleSkeleton<Dim>::followBands(SlabDecomposition& of, const int* ids, bool moved)
 {
-	if (!banded) throw std::logic_error("SampleSkeleton: a ground in slabs needs a SlabStore");
+	if (!ofSlabs) throw std::logic_error("SampleSkeleton: a ground in slabs needs a SlabStore");
 	slabs = &of;
 	idAt  = ids;
-	if (moved) banded->deal(owners(store->size()));
-	else banded->own(owners(store->size()));
+	if (moved) ofSlabs->deal(owners(store->size()));
+	else ofSlabs->own(owners(store->size()));
 }
 
 template <int Dim> void SampleSkeleton<Dim>::beginWithOwners()
 {
 	const int last = sampleOf.empty() ? -1 : *std::max_element(sampleOf.begin(), sampleOf.end());
-	if (slabs) banded->own(owners(std::size_t(last + 1)));
+	if (slabs) ofSlabs->own(owners(std::size_t(last + 1)));
 }
 
 template <int Dim> ErrorSquares SampleSkeleton<Dim>::errorSquares(const SkeletonPoints& batch) const

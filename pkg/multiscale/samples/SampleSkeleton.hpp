@@ -32,7 +32,7 @@ private:
 	using Record = SampleRecord<Dim>;
 	SampleScheduler<Dim>            scheduler() const { return { schedule, bool(accuracy) }; }
 	Asked                           ask(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Record&);
-	void                            askInBands(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Record&);
+	void                            askInSlabs(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Record&);
 	Asked                           ofAllRanks(const Asked& own, const std::string& failure);
 	std::vector<int>                owners(std::size_t samples) const;
 	void                            beginWithOwners() override;
@@ -41,7 +41,7 @@ private:
 	void                            flagChanged(const SkeletonBatch<Dim>&);
 
 	std::shared_ptr<SampleStoreOf<Dim>> store;
-	std::shared_ptr<SlabStore<Dim>>     banded;          ///< the same, where ranks may have slabs of the ground
+	std::shared_ptr<SlabStore<Dim>>     ofSlabs;          ///< the same, where ranks may have slabs of the ground
 	SlabDecomposition*                  slabs = nullptr; ///< they have
 	const int*                          idAt  = nullptr; ///< ids of the points of all slabs, by place
 	SampleFields<Dim>                   fields;
