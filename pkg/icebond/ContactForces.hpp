@@ -154,8 +154,8 @@ namespace HWY_NAMESPACE {
 	/// It must replace their forces by the result of IceBond::settle.
 	template <class Number, class Shear, class Edge, class Settle>
 	HWY_INLINE ContactForces<Number, Shear> bondedForces(
-	        const ContactResponse<Number>& contact, const Number& friction, const Number& overlap, const Shear& shear,
-	        const Shear& iceShear, const Shear& increment, const Edge& edge, Settle&& settle)
+	        const ContactResponse<Number>& contact, const Number& friction, const Number& overlap, const Shear& shear, const Shear& iceShear,
+	        const Shear& increment, const Edge& edge, Settle&& settle)
 	{
 		const Number                 zero   = zeroLike(overlap);
 		const auto                   intact = Lt(contact.floor, zero);

@@ -211,8 +211,7 @@ struct IceBond {
 	}
 
 	/// Ice grows free of stress (forces stay) or melts (melted ice drops its share), Yu & Zhao eqs (5)-(7).
-	template <class Shear>
-	void changeStiffness(const ContactStiffness& before, const ContactStiffness& after, double un, Shear& shear, Shear& iceShear)
+	template <class Shear> void changeStiffness(const ContactStiffness& before, const ContactStiffness& after, double un, Shear& shear, Shear& iceShear)
 	{
 		if (hasIceSpring() && after.iceRatio < before.iceRatio) {
 			const double kept = after.iceRatio / before.iceRatio;

@@ -145,8 +145,7 @@ void Law2_ScGeom_IceBondPhys_IceBond::formOrMelt(Contact& c, double iceSaturatio
 	const bool   bondable = c.bond.state == BondState::NONE || (healBroken && c.bond.state == BondState::BROKEN);
 	if (c.model.melted(iceSaturation)) {
 		if (c.bond.state != BondState::BONDED || !c.model.bondsOutlastIce()) meltBond(c);
-	} else if (bondable && c.un >= -c.phys.gapLimit && (c.phys.bondNow || c.model.formsBonds(before, iceSaturation)))
-		c.bond.form(c.un, c.phys.iceShear);
+	} else if (bondable && c.un >= -c.phys.gapLimit && (c.phys.bondNow || c.model.formsBonds(before, iceSaturation))) c.bond.form(c.un, c.phys.iceShear);
 	c.phys.bondNow = false;
 }
 

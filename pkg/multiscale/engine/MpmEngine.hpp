@@ -61,7 +61,7 @@ public:
 	::boost::python::list   events();
 	void                    setDay(Real day);
 	double                  skemptonB();
-	::boost::python::dict addedPoints() const { return points.arrays(); }
+	::boost::python::dict   addedPoints() const { return points.arrays(); }
 	/// Sentences about settings that are valid and hardly meant.
 	::boost::python::list doubts();
 	void                  resetDisplacement();
@@ -88,6 +88,8 @@ public:
 	vector<shared_ptr<SkeletonLaw>> activeSkeletons() const;
 
 private:
+	static std::atomic<std::uint64_t> settingsChanged; ///< how often, by scripts, in all scenes
+
 	void                            checkPresence() const;
 	void                            checkEngines() const;
 	void                            checkMaterials() const;
@@ -136,7 +138,6 @@ private:
 	[[noreturn]] void               refuseField(const string& name);
 	vector<Real>                    valueAt(const string& name, int id);
 	void                            recordWatched();
-	static std::atomic<std::uint64_t> settingsChanged; ///< how often, by scripts, in all scenes
 
 	std::shared_ptr<GroundOfScene> groundOfScene;
 	talik::AnyGround*              ground        = nullptr;                               ///< that of groundOfScene
@@ -145,8 +146,8 @@ private:
 	long                           nextComparison = 0;     ///< step from which on the ranks compare their ground again
 	bool                           bodiesNamed    = false; ///< boundaries have found the bodies that they name
 	bool                           begun = false, watchesDefault = false;
-	std::uint64_t                  settingsWhenMade = 0; ///< count of `settingsChanged` when the ground was made
-	bool                           silent = false; ///< the ground is made to see whether the first step would refuse it
+	std::uint64_t                  settingsWhenMade = 0;     ///< count of `settingsChanged` when the ground was made
+	bool                           silent           = false; ///< the ground is made to see whether the first step would refuse it
 	string                         failure;
 	std::set<string>               said;
 	long                           failures         = 0;

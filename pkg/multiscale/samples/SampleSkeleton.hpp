@@ -41,7 +41,7 @@ private:
 	void                            flagChanged(const SkeletonBatch<Dim>&);
 
 	std::shared_ptr<SampleStoreOf<Dim>> store;
-	std::shared_ptr<SlabStore<Dim>>     ofSlabs;          ///< the same, where ranks may have slabs of the ground
+	std::shared_ptr<SlabStore<Dim>>     ofSlabs;         ///< the same, where ranks may have slabs of the ground
 	SlabDecomposition*                  slabs = nullptr; ///< they have
 	const int*                          idAt  = nullptr; ///< ids of the points of all slabs, by place
 	SampleFields<Dim>                   fields;

@@ -74,7 +74,8 @@ namespace {
 		if (added != here) throw std::runtime_error("packed sample: saved with other parameters of ice bonds; prepare the sample again");
 		bool withoutFriction = false; // of intact bonds: an option of Talik 0.1
 		stream.value(withoutFriction);
-		if (withoutFriction) throw std::runtime_error("packed sample: its intact bonds have no friction, which Talik no longer offers; prepare the sample again");
+		if (withoutFriction)
+			throw std::runtime_error("packed sample: its intact bonds have no friction, which Talik no longer offers; prepare the sample again");
 		for (auto* v : { &p.step, &p.bondsFormed, &p.bondsBrokenInTension, &p.bondsBrokenInShear, &p.bondsMelted })
 			stream.value(*v);
 	}

@@ -66,7 +66,7 @@ namespace HWY_NAMESPACE {
 		/// Parameters of the contact law, in every lane.
 		struct Constants {
 			Many friction;
-			Many                  shearStep; ///< k_s/k_n dt [s]
+			Many shearStep; ///< k_s/k_n dt [s]
 		};
 
 		/// Angular velocity of the second grains less that of the first ones; Block knows the inverse radii.

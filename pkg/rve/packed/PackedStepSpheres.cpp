@@ -151,8 +151,8 @@ namespace HWY_NAMESPACE {
 		/// Parameters of the contact law, in every lane.
 		struct Constants {
 			Many friction;
-			Many                  shearStep;      ///< k_s/k_n dt [s]
-			Many                  step, halfStep; ///< dt, dt/2 [s]
+			Many shearStep;      ///< k_s/k_n dt [s]
+			Many step, halfStep; ///< dt, dt/2 [s]
 		};
 
 		/// Angular velocity of the second grains less that of the first ones.
@@ -287,10 +287,7 @@ namespace HWY_NAMESPACE {
 			static HWY_NOINLINE void contacts(PackedStepView<3>& shared, const PackedPairs<3> pairs)
 			{
 				const PackedStepView<3> view = shared; // of its own: what vectors are stored to might be a part of a view that others know
-				const Constants         c { splat(view.friction),
-                                                    splat(view.stiffnessRatio * view.dt),
-                                                    splat(view.dt),
-                                                    splat(0.5 * view.dt) };
+				const Constants         c { splat(view.friction), splat(view.stiffnessRatio * view.dt), splat(view.dt), splat(0.5 * view.dt) };
 				using Response = ResponseOf<Rolling || Moments>;
 				inStages<Gathered, Moved, Response, Bonded, Rolling>(
 				        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
