@@ -110,8 +110,7 @@ def clock(ground):
 	scale = ground.mpm.heat.thermalTimeScale if ground.mpm.heat else 1
 	if 0 < scale < 1:
 		yield (
-			f"HeatTransfer.thermalTimeScale is {scale:.4g}, so that {scale:.4g} s of the calendar pass in a second of motion: "
-			f"was {1 / scale:.4g} meant?",
+			f"HeatTransfer.thermalTimeScale is {scale:.4g}, so that {scale:.4g} s of the calendar pass in a second of motion: was {1 / scale:.4g} meant?",
 			False,
 		)
 
@@ -360,7 +359,7 @@ def samples(mpm):
 	"""Of a ground that was made and has not begun: samples whose stress does not fit their depth."""
 	least, factor = 3e3, 2  # weight that a sample feels [Pa], and how far its stress may be from that [-]
 	ground = Ground(mpm)
-	gravity = -mpm.gravity[-1]
+	gravity = -list(mpm.gravity)[-1]
 	own = np.array([isinstance(law, wrapper.RveSkeleton) for law in ground.laws])
 	if not mpm.motion or not gravity > 0 or not own.any():
 		return []
