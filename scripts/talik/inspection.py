@@ -170,7 +170,9 @@ def _backToTheFirst():
 
 
 def pick(mpm, x, y, z=None):
-	"""Id of the point nearest to (x, y), in space (x, y, z) [m], in its present position."""
+	"""Id of the point nearest to (x, y), in space (x, y, z) [m], in its present position.
+
+	>>> id = mpm.pick(0.5, 0.5)"""
 	import numpy as np
 
 	position, place = mpm.field("position"), [x, y] if z is None else [x, y, z]
@@ -184,7 +186,10 @@ def pick(mpm, x, y, z=None):
 
 def most(mpm, field, n=10):
 	"""Ids of the n points with the largest values of a field, largest first, the lower id first among equals; vectors and tensors by their
-	length, points without a value left out."""
+	length, points without a value left out.
+
+	>>> len(mpm.most("temperature", n=3))
+	3"""
 	import numpy as np
 
 	if n < 0:
@@ -195,10 +200,14 @@ def most(mpm, field, n=10):
 
 
 def mostBroken(mpm, n=10):
-	"""Ids of the n points whose samples have lost most bonds mechanically."""
+	"""Ids of the n points whose samples have lost most bonds mechanically.
+
+	>>> ids = mpm.mostBroken(n=3)"""
 	return most(mpm, "bondsBroken", n)
 
 
 def mostStrained(mpm, n=10):
-	"""Ids of the n points with the largest deviatoric strain."""
+	"""Ids of the n points with the largest deviatoric strain.
+
+	>>> ids = mpm.mostStrained(n=3)"""
 	return most(mpm, "deviatoricStrain", n)
