@@ -120,7 +120,7 @@ def signature(function):
 		return written[1]
 	if hasattr(function, "__code__"):
 		arguments = list(inspect.signature(function).parameters.values())
-		return "(" + ", ".join(str(one) for one in arguments if one.name != "self") + ")"
+		return "(" + ", ".join(str(one) for one in arguments if one.name not in ("self", "mpm")) + ")"  # mpm: of a tool that is a method, too
 	try:
 		function(*[object()] * 30)
 	except TypeError as refusal:
