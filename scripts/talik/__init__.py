@@ -127,6 +127,7 @@ _submodules = (
 	"movie",
 	"output",
 	"packing",
+	"plausibility",
 	"plots",
 	"plots3d",
 	"progress",
