@@ -25,26 +25,38 @@ def run(mpm):
 	return mpm
 
 
-def thawingLevelGround(h, pressure, recharge=True, seconds=None):
-	"""Two metres over rollers that thaw from the surface to the base within a year, and then rest."""
+def levelGround(h, depth, height, surface, layer, **settings):
+	"""A column of one cell over rollers, saturated to its surface, which has a table of temperature."""
 	mpm = wrapper.MpmEngine(
 		gridSpacing=h,
 		lower=(0, 0),
-		upper=(h, 3),
+		upper=(h, height),
 		gravity=(0, -9.81),
 		damping=0.3,
+		boundaries=[
+			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
+			wrapper.SurfaceTemperature(region="surface", **surface),
+			wrapper.DrainedBoundary(region="surface"),
+		],
+		**settings,
+	)
+	talik.layers.fill(mpm, {"soil": dict(polygon=talik.geometry.rectangle(0, 0, h, depth), **layer)}, lateralRatio=0.5, waterTable=depth)
+	return run(mpm)
+
+
+def thawingLevelGround(h, pressure):
+	"""Two metres that thaw from the surface to the base within a year, and then rest."""
+	return levelGround(
+		h,
+		2,
+		3,
+		dict(temperature=10),
+		dict(temperature=-2),
 		water=wrapper.PoreWater(pressure=pressure),
 		skeleton=wrapper.MohrCoulombSkeleton(youngFrozen=2e7, cohesion=2e3),
 		heat=wrapper.HeatTransfer(thermalTimeScale=2e6),
 		freezing=wrapper.FreezingCurve(),
-		boundaries=[
-			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
-			wrapper.SurfaceTemperature(region="surface", temperature=10),
-			wrapper.DrainedBoundary(region="surface", recharge=recharge),
-		],
 	)
-	talik.layers.fill(mpm, {"soil": dict(polygon=talik.geometry.rectangle(0, 0, h, 2), temperature=-2)}, lateralRatio=0.5, waterTable=2)
-	return run(mpm)
 
 
 @pytest.mark.parametrize("h", [0.25, 0.125])
@@ -70,31 +82,21 @@ def test_saturated_level_ground_that_has_thawed_rests_with_the_weight_on_each_ro
 	assert abs(moved) < 2 and abs(later) < 0.1 and worst < 0.1 and abs(drawn / due - 1) < 0.01
 
 
-def overPermafrost(h, law, **settings):
+def overPermafrost(h, law):
 	"""Four metres of silt over permafrost under a surface of -2 degC +- 8 K."""
 	days = list(range(0, 365 * 4, 10))
-	values = [8 * math.cos(2 * math.pi * day / 365) - 2 for day in days]
-	mpm = wrapper.MpmEngine(
-		gridSpacing=h,
-		lower=(0, 0),
-		upper=(h, 6),
-		gravity=(0, -9.81),
-		damping=0.3,
+	return levelGround(
+		h,
+		4,
+		6,
+		dict(days=days, values=[8 * math.cos(2 * math.pi * day / 365) - 2 for day in days]),
+		dict(porosity=0.48, temperature=-1.0),
 		heat=wrapper.HeatTransfer(thermalTimeScale=1e7),
 		freezing=wrapper.FreezingCurve(width=0.3),
 		water=wrapper.PoreWater(conductivity=1e-8, referencePorosity=0.48),
 		material=wrapper.GroundMaterial(name="silt", solidConductivity=2.0),
 		skeleton=law,
-		boundaries=[
-			*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
-			wrapper.SurfaceTemperature(region="surface", days=days, values=values),
-			wrapper.DrainedBoundary(region="surface"),
-		],
-		**settings,
 	)
-	polygon = talik.geometry.rectangle(0, 0, h, 4)
-	talik.layers.fill(mpm, {"silt": dict(polygon=polygon, porosity=0.48, temperature=-1.0)}, lateralRatio=0.5, waterTable=4)
-	return run(mpm)
 
 
 @pytest.mark.parametrize(
