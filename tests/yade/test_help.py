@@ -17,7 +17,7 @@ import talik
 from talik import plots, rve
 
 ourClasses = sorted({cls for cls in vars(talik).values() if inspect.isclass(cls) and issubclass(cls, wrapper.Serializable)}, key=lambda cls: cls.__name__)
-parts = {"files", "studies"}  # of other modules, not tools for scenes of one's own
+parts = {"files", "plausibility", "studies"}  # of other modules, not tools for scenes of one's own
 tools = sorted({*talik._submodules} - parts | {"bodies", "inspection"} | {f"studies.{name}" for name in talik.studies.tools})
 dimensional = re.compile(r"^(vector<)?(Real|Vector2r|Vector3r|Matrix3r)>?$")
 
