@@ -203,7 +203,8 @@ namespace {
 /// A column that freezes from its cold base, with water at its upper side; frozen at the start up to a depth.
 struct Column {
 	double            spacing = 0.05, height = 1.0, potential = 1e-9, cold = -1.0, frozen = 0.3, scale = 1e6;
-	bool              open = true;
+	bool              open         = true;
+	int               perDirection = 2; ///< points of a cell
 	GroundSettings<2> settings() const
 	{
 		auto s                                      = freezingGround<2>(spacing, { spacing, std::ceil((height + 0.3) / spacing) * spacing });
@@ -218,10 +219,11 @@ struct Column {
 	}
 	void fill(Ground<2>& ground) const
 	{
-		fillBox(ground, { 0.0, 0.0 }, { spacing, height }, [&](PointInput<2>& p) {
+		const auto prepare = [&](PointInput<2>& p) {
 			p.porosity    = porosity;
 			p.temperature = std::min(0.0, cold * (1.0 - p.position[1] / frozen));
-		});
+		};
+		fillBox(ground, { 0.0, 0.0 }, { spacing, height }, prepare, perDirection);
 	}
 	/// Frozen soil and excess ice of it after a time [m]: heat that leaves through both freezes what stands at the front and what is drawn there.
 	std::array<double, 2> exact(double time) const
@@ -271,6 +273,40 @@ void expectConstantPotential(double spacing, bool implicit = false)
 }
 
 } // namespace
+
+// The first cell has no frozen ground behind its front: the heat of the wall tells the gradient there
+TEST(IceSegregation, IceOfAColdWallOnGroundWithoutIceFollowsTheQuasiSteadyBalanceFromTheFirstCellOn)
+{
+	citing("quasi-steady heat balance");
+	struct Case {
+		double spacing;
+		int    perDirection;
+		bool   implicit;
+	};
+	for (const Case& c : { Case { 0.1, 1, true }, Case { 0.05, 1, true }, Case { 0.1, 2, false } }) {
+		Column column;
+		column.spacing                              = c.spacing;
+		column.frozen                               = 1e-4;
+		column.potential                            = 2e-9;
+		column.cold                                 = -2.0;
+		column.scale                                = 2e5;
+		column.perDirection                         = c.perDirection;
+		auto s                                      = column.settings();
+		s.water->permeability.referenceConductivity = 1e-6;
+		s.water->implicit                           = c.implicit;
+		Ground<2> ground(s);
+		column.fill(ground);
+		ground.initialise();
+		for (const double days : { 2.0, 5.0, 20.0 }) {
+			marchTo(ground, days * day / column.scale);
+			char name[160];
+			std::snprintf(
+			        name, sizeof name, "cold wall on ground of 0 degC, %s, h = %.2f m, day %g: excess ice [m]",
+			        c.implicit ? "one point a cell, implicit pressure" : "four points a cell", c.spacing, days);
+			expectRelative(name, sumOf(ground, "segregatedVolume") / c.spacing, column.exact(days * day)[1], days < 5.0 ? 0.3 : 0.15);
+		}
+	}
+}
 
 TEST(IceSegregation, FrozenDepthAndHeaveWithAConstantSegregationPotentialFollowTheirClosedForm) { expectConstantPotential(0.1); }
 TEST(IceSegregation, FrozenDepthAndHeaveWithImplicitPressureFollowTheirClosedForm) { expectConstantPotential(0.1, true); }
@@ -490,6 +526,7 @@ struct Winters {
 	double           h = 0.05, height = 0.5, scale = 2e6; ///< [m, m, s of the calendar in a second of motion]
 	TimeTable        load { { 0.0 }, { 5e3 } };           ///< on the surface over the calendar [Pa]
 	CompressionCurve curve;                               ///< of thawed ground
+	int              perDirection = 1;                    ///< points of a cell
 
 	std::unique_ptr<Ground<2>> ground() const
 	{
@@ -516,15 +553,16 @@ struct Winters {
 		addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface(), TimeTable(0.5));
 		addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface(), TimeTable(0.0), true);
 		addBoundary<Traction<2>>(s, Region<2>::freeSurface(), load);
-		auto ground = std::make_unique<Ground<2>>(s);
-		fillBox(*ground, { 0.0, 0.0 }, { h, height }, [&](PointInput<2>& p) {
+		auto       ground  = std::make_unique<Ground<2>>(s);
+		const auto prepare = [&](PointInput<2>& p) {
 			const double below = height - p.position[1];
 			p.porosity         = porosity;
 			p.temperature      = 0.5;
 			p.pressure         = 9810.0 * below;
 			p.stress[1]        = -load.at(0.0) - 9.81 * 990.0 * below;
 			p.stress[0] = p.stress[2] = 0.5 * p.stress[1];
-		});
+		};
+		fillBox(*ground, { 0.0, 0.0 }, { h, height }, prepare, perDirection);
 		ground->initialise();
 		return ground;
 	}
@@ -570,11 +608,11 @@ TEST(IceSegregation, ColumnThatFreezesAndThawsHeavesAndSettlesAgain_slow)
 	        "and %.2f mm\n",
 	        1e3 * heave[0], 1e3 * heave[1], 1e3 * ice[0], 1e3 * ice[1], 1e3 * left[0], 1e3 * left[1], 1e3 * grown[0], 1e3 * grown[1], 1e3 * kept[0],
 	        1e3 * kept[1]);
-	expectRelative("freeze, thaw, freeze: excess ice of the second winter over the first", ice[1], ice[0], 0.03);
+	expectRelative("freeze, thaw, freeze: excess ice of the second winter over the first", ice[1], ice[0], 0.07);
 	expectRelative("freeze, thaw, freeze: heave of the second winter over the first", heave[1] - left[0], heave[0], 0.05);
-	expectScaled("freeze, thaw, freeze: left after the first thaw over the heave", left[0], 0.0, heave[0], 0.02);
-	expectScaled("freeze, thaw, freeze: left after the second thaw over the heave", left[1], 0.0, heave[1], 0.02);
-	// what does not return is pore water: of the points of a cell some bear the load, others are loose
+	expectScaled("freeze, thaw, freeze: left after the first thaw over the heave", left[0], 0.0, heave[0], 0.03);
+	expectScaled("freeze, thaw, freeze: left after the second thaw over the heave", left[1], 0.0, heave[1], 0.06);
+	// the lens is as long as a cell, and gaps between points stay: the top is higher than the volume of the ground says
 	expectScaled("freeze, thaw, freeze: thickness gained against water kept, over the heave", grown[1], kept[1], heave[0], 1e-3);
 	expectScaled("freeze, thaw, freeze: water kept after the first thaw, over the heave", kept[0], 0.0, heave[0], 0.03);
 	expectScaled("freeze, thaw, freeze: water kept by the second cycle, over the heave", kept[1], kept[0], heave[1], 0.01);

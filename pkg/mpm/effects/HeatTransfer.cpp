@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace talik {
 
@@ -12,6 +11,16 @@ namespace {
 	// is then where it is: held faster, what lies outside would be held with it, and more slowly, ground inside would not follow. Ground of one
 	// temperature at a wall meets the resistance h/(4 kappa) of eq. (9.6): its node expects 0.58 of the difference to the wall.
 	constexpr double holding = 12.0;
+
+	/// Integral of the shape function of a node over the side of the box on which it lies: a half beside another side.
+	template <int D> double areaOfWall(const Grid<D>& grid, const TemperatureNode& n)
+	{
+		const auto at   = grid.nodeOf(n.node);
+		double     area = grid.faceArea();
+		for (int a = 0; a < D; ++a)
+			if (a != n.axis && !grid.isPeriodic(a) && (at[a] <= 1 || at[a] > grid.cells(a))) area *= 0.5;
+		return area;
+	}
 } // namespace
 
 template <int D>
@@ -256,8 +265,8 @@ template <int D> void HeatTransfer<D>::nodalTemperature(const StepContext<D>& st
 		const TemperatureNode& n = prescribed_[k];
 		if (n.ghost < 0 || !range.holds(n.node)) continue;
 		Vec<D> area {};
-		area[n.axis] = (n.ghost > n.node ? 1.0 : -1.0) * std::pow(step.grid.spacing(), D - 1);
-		addOutside(n.node, area, reference + wanted_[k], std::numeric_limits<double>::infinity());
+		area[n.axis] = (n.ghost > n.node ? 1.0 : -1.0) * areaOfWall(step.grid, n);
+		addOutside(n.node, area, reference + wanted_[k], 0.0);
 	}
 }
 
@@ -341,6 +350,7 @@ template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, c
 	hold(step, boundaries);
 	for (int i : affected_)
 		if (range.holds(i)) ledger.ofNode(i).heatIn -= energy[i][0];
+	bookWalls(step, [&](int i) { return energy[i][0]; });
 	for (const TemperatureNode& n : prescribed_) {
 		if (n.ghost < 0 || !range.holds(n.node)) continue;
 		energy[n.inner][0] -= energy[n.ghost][0];
@@ -361,6 +371,7 @@ template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, c
 		if (n->ghost >= 0 && range.holds(n->node)) increment[n->ghost][0] = 2.0 * increment[n->node][0] - increment[n->inner][0];
 	for (int i : affected_)
 		if (range.holds(i)) ledger.ofNode(i).heatIn += capacity[i][0] * increment[i][0];
+	bookWalls(step, [&](int i) { return -capacity[i][0] * increment[i][0]; });
 
 	// T + chi (1 - A)(B - 1) T, A = to the grid and back, B = A with wall temperatures kept: what the grid does not see decays,
 	// the gradient at a wall and the sum of C T stay
@@ -370,6 +381,18 @@ template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, c
 		for (int i = first; i < last; ++i)
 			if (capacity[i][0] > 0.0) increment[i][0] += chi * (nodal[i][0] - nullSpaceResidual[i][0] / capacity[i][0]);
 	});
+}
+
+/// Part of the heat that leaves at walls: of their nodes and those before and behind them.
+template <int D> template <class Heat> void HeatTransfer<D>::bookWalls(const StepContext<D>& step, const Heat& heat)
+{
+	if (!outside.ownsRecords()) return;
+	for (const TemperatureNode& n : prescribed_) {
+		if (n.ghost < 0 || !step.halo.holds(n.node)) continue;
+		double sum = heat(n.node) + heat(n.ghost);
+		if (!isPrescribed_[n.inner]) sum += heat(n.inner);
+		outside[n.node][D + 2] += sum / step.calendarDt;
+	}
 }
 
 template <int D> void HeatTransfer<D>::gather(const WeightBlock<D>& w, const double* gained)

@@ -108,18 +108,19 @@ public:
 	NodeField<D + 1> moments;           ///< sum S C x and sum S V kappa, in scenes with walls of given temperature
 	NodeField<1>     volumes;           ///< sum S V, in scenes with regions that produce heat
 	/// Of the surfaces and walls at a node in this step, for ice segregation: outward area vector, area, area times temperature of the surface
-	/// itself, heat that leaves [W of calendar time]; infinite where it is not known, at walls.
+	/// itself, heat that leaves [W of calendar time].
 	NodeField<D + 3> outside;
 
 	double smoothingTime = 0.0; ///< in use [s of calendar time]
 
 private:
-	void clearOutside(const ActiveRange& range);
-	void addOutside(int node, const Vec<D>& area, double temperature, double heatOut);
-	void mapMoments(const WeightBlock<D>& w);
-	void mapVolumes(const WeightBlock<D>& w);
-	void mirrorWalls(const Grid<D>& grid, const ActiveRange& range);
-	void prescribe(const StepContext<D>& step);
+	void                       clearOutside(const ActiveRange& range);
+	void                       addOutside(int node, const Vec<D>& area, double temperature, double heatOut);
+	template <class Heat> void bookWalls(const StepContext<D>& step, const Heat& heat);
+	void                       mapMoments(const WeightBlock<D>& w);
+	void                       mapVolumes(const WeightBlock<D>& w);
+	void                       mirrorWalls(const Grid<D>& grid, const ActiveRange& range);
+	void                       prescribe(const StepContext<D>& step);
 	/// What boxes and discs of given temperature give to their nodes, implicit in the temperature of each.
 	void                          hold(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries);
 	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);

@@ -79,6 +79,7 @@ void IceSegregation<D>::collect(
 			        const double v = size[p], depth = heat.temperature[p] - freezingTemperature_[material];
 			        c.volume += v;
 			        c.ice += v * content.iceSaturation[p];
+			        c.lenses += volume[p] * (1.0 - content.iceSaturation[p]);
 			        c.depth += v * depth;
 			        for (int a = 0; a < D; ++a)
 				        c.middle[a] += v * points_->position(a)[p];
@@ -198,7 +199,7 @@ template <int D> typename IceSegregation<D>::Outside IceSegregation<D>::outside(
 	if ((cell - from) / (side * grid.cellStride(axis)) > farthestSurface) return { NAN, 0.0 };
 	int corner = 0;
 	for (int a = 0; a < D; ++a)
-		corner += (cell / grid.cellStride(a) % grid.cells(a) + (a == axis && side > 0)) * grid.nodeStride(a);
+		corner += (grid.place(cell, a) + 1 + (a == axis && side > 0)) * grid.nodeStride(a); // node 0 is a ghost
 	double area = 0.0, sum = 0.0, heat = 0.0;
 	for (int k = 0; k < 1 << D; ++k) {
 		if (k >> axis & 1) continue; // the nodes of the face
@@ -225,7 +226,8 @@ template <int D> typename IceSegregation<D>::Line IceSegregation<D>::first(const
 	if (!(cold < 0.0 && heat > 0.0)) return { 0.0, 0.0, 0.0, first };
 	const double part  = icePart(unfrozen, first, cold, grid.cellVolume());
 	const double front = placeOfFront(grid, first, part, axis, side);
-	const double slope = std::min(-cold / (h * std::max(part, 0.25)), heat / cells_[first].conductivity);
+	const double thick = part + (cells_[first].lenses + (unfrozen == first ? 0.0 : cells_[unfrozen].lenses)) / grid.cellVolume();
+	const double slope = std::min(-cold / (h * std::max(thick, 0.25)), heat / cells_[first].conductivity);
 	return { slope, std::max(0.0, side * (front - cells_[unfrozen].middle[axis])), cold, first };
 }
 

@@ -70,6 +70,7 @@ private:
 		double conductivity;               ///< volume times the number; later the mean [W/(m K)]
 		double middle[D];                  ///< volume times the position; later the mean [m]
 		double ice;                        ///< volume times the ice saturation
+		double lenses;                     ///< volume of segregated ice, less what of it ice counts [m^D]
 		double pores, fill;                ///< volume of the pores and of what is in them [m^D]
 		double stress[stressSize<D>];      ///< effective, as the pressure [Pa]
 		double added;                      ///< volume times what the momentum balance adds to each normal stress [Pa m^D]
