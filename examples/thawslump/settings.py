@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 class Preset:
 	"""Size of a job."""
 
-	gridSpacing: float  # [m]; the paper's is 0.2
+	gridSpacing: float  # [m], with one point a cell; the paper has 0.2 with four
 	grains: int  # in each sample; the paper's is 400
 	days: float  # of thaw
 	strainTolerance: float = 2e-5  # of a point, before its sample is updated [-]
