@@ -29,6 +29,7 @@ servoChunk = 20  # DEM steps between two corrections of the strain rate
 servoSteps = 50  # steps in which the proportional part alone would remove an error
 servoIntegralSteps = 300  # reset time of the integral part
 componentNames = {2: "(xx, yy, xy)", 3: "(xx, yy, zz, yz, xz, xy)"}
+leastRolling = 1e-6  # rolling friction of grains that are to roll freely and whose material refuses 0
 restSteps = 2000  # steps with a cell at rest before the stress counts as reached
 
 
@@ -377,6 +378,33 @@ def compact(grains, pressure, maxSteps=None):
 	stopCell()
 
 
+def compactPacked(grains, pressure, friction, seed, etaRoll=0.0):
+	"""A cloud of grains compacted to an isotropic `pressure` [Pa] in packed form, an RveSample: several times faster than compact. Friction and rolling friction
+	of the compaction decide how dense it gets; it keeps them.
+
+	etaRoll  as CohFrictMat.etaRoll; it counts only for grains that resist rolling
+
+	>>> grains = talik.packing.Grains(30, 3e-3, 7e-3, None, 0.6e9, 0.8, 2650.0, 0.3, True, (), 3)
+	>>> sample = talik.packing.compactPacked(grains, 100e3, friction=0.2, seed=1)"""
+	step, near, most = 2e-4, 0.3, 5000  # strain of a call; part of the pressure at which the control of stress takes over; calls
+	with talik.scratchScene():
+		fillCloud(grains, friction, seed)
+		if grains.resistsRolling:
+			setRolling(etaRoll)
+		sample = wrapper.RveSample.fromScene(O._sceneObj)
+	sample.maxInertialNumber, sample.minSteps = 5e-3, 10
+	inPlane = Matrix3(-step, 0, 0, 0, -step, 0, 0, 0, -step if grains.dimension == 3 else 0)
+	for _ in range(most):
+		result = sample.apply(inPlane, 0)
+		if result["blewUp"]:
+			raise PackingError(f"the compaction blew up: {result['reason']}; use another seed than {seed}")
+		if -np.mean(result["stress"][: grains.dimension]) > near * pressure:
+			break
+	if not sample.servo(*[-pressure] * grains.dimension):
+		raise PackingError(f"no equilibrium at {pressure:g} Pa; use another seed than {seed} or more grains")
+	return sample
+
+
 def setFriction(friction):
 	"""Sets the friction coefficient of the material and of every contact that exists.
 
@@ -387,6 +415,19 @@ def setFriction(friction):
 	for interaction in O.interactions:
 		if interaction.isReal:
 			interaction.phys.tangensOfFrictionAngle = friction
+
+
+def setRolling(etaRoll):
+	"""Sets the rolling friction of materials that resist rolling and of every contact that exists; next to none for 0, which such materials refuse.
+
+	>>> rolling = talik.rve.pack(talik.rve.prepare(grains=30, porosity=0.19, ice=True, etaRoll=0.1))
+	>>> with talik.inspect(rolling.open()):
+	...     talik.packing.setRolling(0.2)"""
+	for material in O.materials:
+		material.etaRoll = max(etaRoll, leastRolling)
+	for contact in O.interactions:
+		if contact.isReal:
+			contact.phys.maxRollPl = etaRoll * min(O.bodies[grain].shape.radius for grain in (contact.id1, contact.id2))
 
 
 def stopCell():

@@ -33,13 +33,14 @@ from talik.guards.scenefiles import checkedLabels
 from talik.files import heldAlone, sceneContent, writableFolder, writeWhole
 from talik.packing import Grains, PackingError
 
-recipeVersion = 3  # part of the cache key: raise it whenever the recipe gives other samples
+recipeVersion = {2: 3, 3: 4}  # of discs and spheres, part of the cache key: raise it whenever the recipe gives other samples
 porosityTolerance = 0.005
 fabricTolerance = 0.05
 shearTolerance = 0.01  # of the mean pressure
 yadesCell = 2.1  # smallest periodic cell over largest body that YADE runs
 seedsToTry = 40
 frictionsToTry = 6
+loosestRolling, loosestFriction = 0.6, 1.2  # of the compaction of spheres that resist rolling, and of those that do not
 
 
 @dataclasses.dataclass(frozen=True)
@@ -110,7 +111,8 @@ def prepare(
 	radius          (smallest, largest) [m], distributed uniformly
 	pressure        [Pa], > 0, compression positive
 	porosity        of discs two-dimensional, met to 0.005 by the friction used during compaction; default 0.18 for discs (friction about
-					0.2), 0.39 for spheres
+					0.2), 0.39 for spheres. Spheres with the radii of the default stand from 0.36 on, those that roll freely to 0.44, with
+					etaRoll=0.2 to 0.48
 	thickness       of the slice of ground that carries the forces of the discs [m], from the smallest radius to 1 m, default 0.1, that of
 					the discs of YADE's examples/FEMxDEM/prepareRVE.py (Guo and Zhao), which has the radii, E_c0 and number of
 					grains of Yu & Zhao; stress is divided by it, so stiffness and strength go with its inverse. One mean diameter is that of a single layer of
@@ -141,17 +143,19 @@ def prepare(
 	porosity = {2: 0.18, 3: 0.39}[dimension] if porosity is None else porosity
 	material = _checkedGrains(grains, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond, dimension)
 	_require("pressure", pressure, pressure > 0, "a compression in Pa, greater than 0")
-	low, high = {2: (0.10, 0.23), 3: (0.32, 0.46)}[dimension]
+	low, high = {2: (0.10, 0.23), 3: (0.25, 0.65)}[dimension]
 	_require("porosity", porosity, low <= porosity <= high, f"a porosity between {low:.2f} and {high:.2f} (dense and loose limits of {_kind[dimension]})")
 	_require("friction", friction, friction >= 0, "a friction coefficient, at least 0")
 	_require("seed", seed, _isWhole(seed) and seed >= 0, "a whole number, at least 0")
 
 	def made(start, folder, make):
-		parameters = dict(kind="prepare", recipe=recipeVersion, **_valuesOf(material), pressure=pressure, porosity=porosity, friction=friction, seed=start)
+		parameters = dict(
+			kind="prepare", recipe=recipeVersion[dimension], **_valuesOf(material), pressure=pressure, porosity=porosity, friction=friction, seed=start
+		)
 		return _cached(parameters, folder, make)
 
 	def compacted(start):
-		return lambda: _compacted(material, pressure, porosity, friction, start)
+		return lambda: (_compacted if dimension == 2 else _compactedSpheres)(material, pressure, porosity, friction, start)
 
 	if realisations is None:
 		with ranks.inTurn("preparing a sample"):
@@ -204,7 +208,7 @@ def servo(sample, stressX, stressY, stressXY=0.0, tolerance=2e-3, cache=True, st
 	if isScene:
 		return _servoedScene(sample, goal, tolerance)
 	grains = dict(ice=False) if material is None else _valuesOf(material)
-	parameters = dict(kind="servo", recipe=recipeVersion, **grains, goal=goal, tolerance=tolerance, parent=_digest(sample.path))
+	parameters = dict(kind="servo", recipe=recipeVersion[2], **grains, goal=goal, tolerance=tolerance, parent=_digest(sample.path))
 
 	def make():
 		openFile(sample.path)
@@ -291,6 +295,52 @@ def _compacted(material, pressure, porosity, friction, seed):
 		f"no sample of {material.number} grains with porosity {porosity:g} and isotropic fabric in {seedsToTry} trials "
 		f"(closest porosity off by {closest:.4f}); use more grains or another porosity"
 	)
+
+
+def _compactedSpheres(material, pressure, porosity, friction, seed):
+	"""As _compacted, in packed form: YADE takes minutes for a few hundred spheres. Friction and rolling friction of the compaction are bisected together,
+	until the sample with its own friction has the porosity."""
+	with _bar() as bar:
+		for trial in range(seed, seed + seedsToTry):
+			low, high, part = 0.0, 1.0, 0.3
+			for _ in range(frictionsToTry + 1):
+				compaction = (part * loosestFriction, 0.0)
+				if material.resistsRolling:
+					compaction = (min(1.0, 2 * part) * friction, max(0.0, 2 * part - 1) * loosestRolling)
+				reached = _spheres(material, pressure, friction, trial, *compaction)
+				bar.update()
+				bar.set_postfix(seed=trial, porosity=f"{reached:.3f}")
+				if abs(reached - porosity) < 0.8 * porosityTolerance:
+					break
+				low, high = (part, high) if reached < porosity else (low, part)
+				part = 0.5 * (low + high)
+			if abs(reached - porosity) < porosityTolerance and _isotropic():
+				return dict(seedUsed=trial, compactionFriction=compaction[0], compactionRolling=compaction[1])
+			if (low == 0.0 or high == 1.0) and abs(reached - porosity) > 2 * porosityTolerance:
+				kind, remedy = ("densest", "a larger porosity") if low == 0.0 else ("loosest", "a smaller porosity, more friction, or etaRoll")
+				raise PackingError(f"the {kind} packing of these spheres at {pressure:g} Pa has porosity {reached:.3f}, not {porosity:g}; take {remedy}")
+	raise PackingError(f"no sample of {material.number} spheres with porosity {porosity:g} and isotropic fabric in {seedsToTry} trials; use more grains")
+
+
+def _spheres(material, pressure, friction, seed, compactionFriction, compactionRolling):
+	"""Leaves compacted spheres with their own friction at the pressure in the current scene; returns their porosity."""
+	sample = packing.compactPacked(material, pressure, compactionFriction, seed, compactionRolling)
+	with _sceneInPlace(sample.open()):
+		packing.setFriction(friction)
+		if material.resistsRolling:
+			packing.setRolling(dict(material.iceBond).get("etaRoll", wrapper.RollingIceBondMat().etaRoll))
+		sample = wrapper.RveSample.fromScene(O._sceneObj)
+	if not sample.servo(-pressure, -pressure, -pressure):
+		raise PackingError(f"the spheres find no equilibrium at {pressure:g} Pa with a friction of {friction:g}; use more grains or another seed")
+	talik._talik.exchangeScene(sample.open())
+	O.dt = material.timeStep
+	return packing.porosity()
+
+
+def _bar():
+	from tqdm import tqdm
+
+	return tqdm(desc="preparing spheres", unit="packing", file=sys.stderr, disable=not sys.stderr.isatty())
 
 
 def _calibrated(material, pressure, porosity, seed):

@@ -4,6 +4,7 @@
 	calibrate   MohrCoulombSkeleton, friction, strength and tension of a sample by tests
 	cold        frozen strength and stiffness along a freezing curve
 	creep       rate of creep over stress
+	elementtests  triaxial, undrained, oedometer, isotropic and shear tests of samples; predictions of tests in a CSV file
 	growth      what lets frozen strength grow with the strain rate
 	moments     frozen samples whose bonds carry moments
 	refrozen    strength after thaw and refreezing
@@ -16,7 +17,7 @@ They are loaded when they are first used."""
 
 import importlib
 
-tools = ("calibrate", "cold", "creep", "growth", "moments", "refrozen", "target", "thawtests")  # for scripts of one's own
+tools = ("calibrate", "cold", "creep", "elementtests", "growth", "moments", "refrozen", "target", "thawtests")  # for scripts of one's own
 programs = ("accuracy", "command")  # of the repository
 
 

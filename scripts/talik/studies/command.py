@@ -11,6 +11,7 @@
 	scripts/calibrate --moments               # frozen samples whose bonds carry moments beside others, see talik.studies.moments
 	scripts/calibrate --refrozen              # frozen strength after thaw and refreezing, see talik.studies.refrozen
 	scripts/calibrate --target soil.csv       # a sample that gives what tests of a soil gave, see talik.studies.target
+	scripts/calibrate --elements tests.csv    # triaxial tests of sand predicted by samples fitted on some of them, see talik.studies.elementtests
 	scripts/calibrate --settlement tests.csv,steps.csv  # thaw settlement predicted for tests left out of the fit, see talik.studies.thawtests
 """
 
@@ -21,7 +22,7 @@ import talik
 from yade import O
 
 from talik import plots, rve
-from talik.studies import calibrate, cold, creep, growth, moments, refrozen, target, thawtests
+from talik.studies import calibrate, cold, creep, elementtests, growth, moments, refrozen, target, thawtests
 from talik.files import writableFolder, writeWhole
 
 
@@ -48,12 +49,16 @@ def main():
 		"--realisations",
 		type=int,
 		default=None,
-		help="of each sample, with --scatter or --refrozen (8), --rolling, --temperature, --growth, --creep or --moments (3)",
+		help="of each sample, with --scatter or --refrozen (8), --rolling, --temperature, --growth, --creep or --moments (3), --elements (3)",
 	)
 	parser.add_argument("--target", metavar="FILE", help="CSV file of tests of a soil: a sample that gives them instead; table, picture, sample file")
 	parser.add_argument(
 		"--settlement", metavar="TESTS,STEPS", help="CSV files of thaw settlement tests: prediction against test, cross-validated, instead; table, picture"
 	)
+	parser.add_argument(
+		"--elements", metavar="FILE", help="CSV file of drained triaxial tests of sand: samples of spheres fitted on some, prediction of all; table, picture"
+	)
+	parser.add_argument("--fit", metavar="TESTS", help="with --elements: names of the tests to fit on, with commas between; default those with results")
 	parser.add_argument("--strain", type=float, default=0.04, help="with --target: axial strain of each test, within which strength is the largest stress")
 	parser.add_argument(
 		"--friction",
@@ -73,6 +78,10 @@ def main():
 	if options.settlement:
 		print(plots.save(_settlement(options.settlement, told), folder / "settlement.png", dpi=110))
 		writeWhole(folder / "settlement.md", "\n".join(lines) + "\n")
+		return
+	if options.elements:
+		print(plots.save(_elements(options, told), folder / "elements.png", dpi=100))
+		writeWhole(folder / "elements.md", "\n".join(lines) + "\n")
 		return
 	if options.target:
 		_toTarget(options.target, (options.grains or (100,))[0], folder, told, options.moments, options.strain)
@@ -129,6 +138,19 @@ def _toTarget(path, grains, folder, told, moments, strain):
 	writeWhole(folder / "sample.json", json.dumps(found.parameters(), indent="\t") + "\n")
 	picture = plots.save(target.draw(found, sample, strain=strain), folder / "target.png", dpi=100)
 	print(f"{picture}, {folder / 'sample.yade.gz'}, {folder / 'sample.json'}: talik.rve.prepare(**json.load(...))")
+
+
+def _elements(options, told):
+	"""Tells what samples fitted on some triaxial tests of a CSV file predict for all; returns the figure."""
+	names = options.fit.split(",") if options.fit else None
+	try:
+		tests = elementtests.read(options.elements)
+		seeds = [1 + k for k in range(options.realisations or 3)]
+		found = elementtests.fit(tests, names, (options.grains or (300,))[0], seeds, told=lambda line: print(line, flush=True))
+	except (ValueError, OSError) as fault:
+		raise SystemExit(f"calibrate: {fault}") from None
+	told(found.report())
+	return found.draw()
 
 
 def _settlement(paths, told):

@@ -248,11 +248,11 @@ def altered(sample, friction, etaRoll, **bonds):
 	>>> other = talik.studies.target.altered(rolling, friction=0.6, etaRoll=0.2, iceYoung=5e9)"""
 	with talik.inspect(sample.open()) as scene:
 		packing.setFriction(friction)
+		packing.setRolling(etaRoll)
 		for material in O.materials:
-			material.updateAttrs(dict(bonds, etaRoll=etaRoll))
+			material.updateAttrs(bonds)
 		for contact in O.interactions:
 			if contact.isReal:
-				contact.phys.maxRollPl = etaRoll * min(O.bodies[grain].shape.radius for grain in (contact.id1, contact.id2))
 				contact.phys.updateAttrs({name: bonds[name] for name in ofMoments if name in bonds})
 		return wrapper.RveSample.fromScene(scene)
 
