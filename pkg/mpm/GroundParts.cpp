@@ -47,7 +47,7 @@ template <int D> void Ground<D>::Parts::clearNodes()
 template <int D> typename PoreContent<D>::PointArrays Ground<D>::Parts::contentOf() const
 {
 	typename PoreContent<D>::PointArrays of {};
-	if (motion) of.solid = { motion->mass, motion->velocity };
+	if (motion) of.solid = { motion->mass, motion->velocity, motion->initialVolume };
 	if (heat) of.heat = { heat->enthalpy, heat->temperature, heat->heatCapacity, heat->capacityWeight, heat->conductivity };
 	if (water) of.water = { water->pressure, water->liquidFraction, water->drag, water->velocity };
 	return of;

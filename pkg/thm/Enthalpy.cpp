@@ -26,7 +26,7 @@ EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurveP
 	const double excess    = asPrinted ? properties.liquid.density / properties.ice.density : 1.0;
 	const double latent    = properties.latentHeat * excess;
 	formula_               = {
-		              properties, form, latent, properties.ice.density * latent, curve_->freezingTemperature(), curve_->integral(properties.referenceTemperature)
+		              properties, form, latent, properties.ice.density * latent, curve_->freezingTemperature(), curve_->integral(properties.referenceTemperature), {}
 	};
 }
 

@@ -19,7 +19,7 @@ enum class EnthalpyForm { stateFunction, capacityIntegral };
 struct SoilContent {
 	double solidMass;  ///< m_s [kg], > 0
 	double waterMass;  ///< m_w = ice + liquid [kg], >= 0
-	double poreVolume; ///< V_pore [m^3], > 0
+	double poreVolume; ///< [m^3], > 0: of pores that bound the ice, where no water flows
 };
 
 /// H of saturated ground where temperature and liquid saturation are known, with its slope. A plain value, so that loops over
@@ -34,6 +34,7 @@ struct EnthalpyFormula {
 	double            latentPerPoreVolume; ///< rho L_f of the capacity-integral form [J/m^3]
 	double            freezingTemperature; ///< T_f [degC]
 	double            integralAtReference; ///< integral of S_l from T_f to T_0 [K]
+	Phase             iceInPores {};       ///< ice with the density by which it fills pores, see EnthalpyModel::letWaterFillPores; 0: it does not
 
 	struct Value {
 		double enthalpy;     ///< H [J]
@@ -103,10 +104,16 @@ struct EnthalpyFormula {
 	};
 	Ice iceAt(const SoilContent& soil, double temperature, double sl, double dsl) const
 	{
-		const double density  = properties.densityAt(properties.ice, temperature);
-		const double uncapped = density * (1.0 - sl) * soil.poreVolume;
+		const Phase &ice = properties.ice, &liquid = properties.liquid;
+		const double si = 1.0 - sl, density = properties.densityAt(ice, temperature);
+		const double inPores = properties.densityAt(iceInPores, temperature), ofLiquid = properties.densityAt(liquid, temperature);
+		const bool   fills    = iceInPores.density > 0.0;
+		const double perPores = inPores * si + ofLiquid * sl; // water of full pores, and its derivative
+		const double change   = (ofLiquid - inPores) * dsl - iceInPores.density * ice.expansivity * si - liquid.density * liquid.expansivity * sl;
+		const double volume   = fills ? soil.waterMass / perPores : soil.poreVolume;
+		const double uncapped = density * si * volume;
 		const double cap      = (1.0 - residualWaterFraction) * soil.waterMass;
-		const double slope    = -soil.poreVolume * (density * dsl + properties.ice.density * properties.ice.expansivity * (1.0 - sl));
+		const double slope    = -volume * (density * dsl + ice.density * ice.expansivity * si) - (fills ? uncapped * change / perPores : 0.0);
 		return { uncapped >= cap ? cap : uncapped, uncapped >= cap ? 0.0 : slope };
 	}
 };
@@ -146,7 +153,8 @@ struct EnthalpyBatch {
 ///
 /// State-function form, zero at T_0 for grains and ice, eq. (9.1):
 ///   H(T) = [m_s c_s + m_i c_i + m_l c_l](T - T_0) + m_l L_f,
-///   m_i(T) = min(rho_i(T) S_i(T) V_pore, (1 - f_r) m_w),  m_l = m_w - m_i.
+///   m_i(T) = min(rho_i(T) S_i(T) V, (1 - f_r) m_w),  m_l = m_w - m_i,
+/// with the volume V that the water fills at these saturations, see letWaterFillPores, or that of the pores.
 /// H rises strictly with T above -150 degC, so the inverse is unique; it is found by Newton's method inside a bracket that
 /// always holds the root, and in closed form for thawed ground, the sharp curve and (without ice expansion) the linear one.
 class EnthalpyModel {
@@ -162,6 +170,14 @@ public:
 	LatentDensity            latentDensity() const { return latentDensity_; }
 	/// L_f of the state-function form [J/kg]; 9.9 % above the material's with LatentDensity::liquid.
 	double latentHeat() const { return formula_.latentHeat; }
+
+	/// From now on ice is a function of T and the mass of water, whatever volume the pores have: that of pores that the water fills, with ice of
+	/// this density [kg/m^3]. Ground then exchanges no heat with its strain.
+	void letWaterFillPores(double densityOfIce)
+	{
+		formula_.iceInPores         = formula_.properties.ice;
+		formula_.iceInPores.density = densityOfIce;
+	}
 
 	/// Fraction f_r of the water mass that never becomes ice [-].
 	static constexpr double residualWaterFraction = EnthalpyFormula::residualWaterFraction;

@@ -4,6 +4,7 @@
 #include <pkg/thm/PermeabilityRanges.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -31,11 +32,10 @@ double PoreWaterState::waterMass(const MixtureProperties& m, double pressure, do
 	// each phase takes its unstressed volume, less what the pressure compresses
 	const double     liquidPerMass = (1.0 - pressure / liquidBulkModulus) / m.densityAt(m.liquid, temperature);
 	const double     icePerMass    = (1.0 - pressure / iceBulkModulus) / poreIceDensity(m, temperature);
-	const double     iceMass       = m.densityAt(m.ice, temperature) * (1.0 - liquidSaturation) * poreVolume;
-	const double     mass          = iceMass + (poreVolume - iceMass * icePerMass) / liquidPerMass;
+	const double     perPores      = poreIceDensity(m, temperature) * (1.0 - liquidSaturation) + m.densityAt(m.liquid, temperature) * liquidSaturation;
 	constexpr double fr            = EnthalpyModel::residualWaterFraction;
-	if (iceMass <= (1.0 - fr) * mass) return mass;
-	return poreVolume / ((1.0 - fr) * icePerMass + fr * liquidPerMass);
+	const double     ice           = std::min(m.densityAt(m.ice, temperature) * (1.0 - liquidSaturation), (1.0 - fr) * perPores);
+	return poreVolume * perPores / ((perPores - ice) * liquidPerMass + ice * icePerMass);
 }
 
 PressureCoefficients PoreWaterState::coefficients(const MixtureProperties& m, const PoreState& state) const

@@ -128,9 +128,12 @@ TEST(PoreWater, InitialMassGivesBackThePressure)
 				const MixtureProperties m;
 				const double            v = 0.37, t = sl < 1.0 ? -2.0 : 3.0;
 				const double            mw = water.waterMass(m, p0, sl, v, t);
-				const double mi = std::min(m.densityAt(m.ice, t) * (1.0 - sl) * v, (1.0 - EnthalpyModel::residualWaterFraction) * mw);
-				const auto   p  = water.pressure(m, mw - mi, mi, v, t);
-				worst           = std::max(worst, std::abs(p.pressure - p0));
+				// eqs (2.4) and (2.5)
+				const double ice = m.densityAt(m.ice, t), liquid = m.densityAt(m.liquid, t), inPores = water.poreIceDensity(m, t);
+				const double mi = std::min(
+				        ice * (1.0 - sl) * mw / (inPores * (1.0 - sl) + liquid * sl), (1.0 - EnthalpyModel::residualWaterFraction) * mw);
+				const auto p = water.pressure(m, mw - mi, mi, v, t);
+				worst        = std::max(worst, std::abs(p.pressure - p0));
 				EXPECT_NEAR(p.pressure, p0, 1e-5) << sl << " " << p0; // round-off of a volume of 1e-16 times K_w
 				EXPECT_NEAR(p.gap, 0.0, 1e-14);
 			}

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 using namespace talik;
 using namespace talik::validation;
 
@@ -95,6 +97,29 @@ template <int D> Ground<D> pushedColumn(double young, double poisson, double pat
 	return ground;
 }
 
+/// Change of the mean temperature [K] of frozen ground at -5 degC that a wall pushes by a path; no heat crosses its boundary.
+double warmingByStrain(double path, bool wet, const char* curve)
+{
+	auto s     = dryBox<2>(0.1, { 1.0, 0.1 });
+	s.freezing = makeFreezingCurve(curve);
+	s.heat.emplace();
+	s.motion->localDamping = 0.2;
+	s.skeletons.push_back(elastic<2>(1e7, 0.3));
+	if (wet) s.water.emplace();
+	for (const char* side : { "left", "bottom", "top" })
+		add<2, RollerBoundary<2>>(s, side);
+	add<2, MovingBoundary<2>>(s, "right", pushing(path, 0.3), Vec<2> {}, false);
+	Ground<2> ground(s);
+	fillBlock<2>(ground, s.lower, s.upper, [](PointInput<2>& p) { p.temperature = -5.0; });
+	ground.initialise();
+	marchTo(ground, 0.3);
+	const auto t    = valuesOf(ground, "temperature");
+	double     mean = 0.0;
+	for (const double value : t)
+		mean += value / t.size();
+	return mean + 5.0;
+}
+
 template <int D> void expectConfinedCompression(const std::string& where)
 {
 	const double young = 1e7, poisson = 0.3, path = 0.02, modulus = young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
@@ -116,6 +141,19 @@ template <int D> void expectConfinedCompression(const std::string& where)
 }
 
 } // namespace
+
+// Ice at -5 degC neither forms nor melts because the ground is strained: without heat its temperature stays
+TEST(MovingWalls, FrozenGroundThatIsStrainedWithoutHeatKeepsItsTemperature)
+{
+	for (const char* curve : { "sharp", "gauss" })
+		for (const bool wet : { false, true })
+			for (const double path : { 0.01, -0.01 }) {
+				std::ostringstream name;
+				name << "frozen ground, " << curve << (wet ? ", with pore water" : "") << ", " << (path > 0.0 ? "pushed" : "pulled")
+				     << " by 1 % without heat: warming [K]";
+				expectSmall(name.str(), warmingByStrain(path, wet, curve), 1e-3);
+			}
+}
 
 TEST(MovingWalls, ColumnPushedSlowlyHasTheStressOfConfinedCompression)
 {

@@ -29,6 +29,9 @@ PoreContent<D>::PoreContent(PointFields& fields, const GroundSettings<D>& settin
 	for (const SoilMaterial& m : given)
 		materials_.push_back({ m.mixture, EnthalpyModel(m.mixture, m.freezing ? m.freezing : settings.freezing, heat.enthalpyForm, heat.latentDensity),
 		                       m.permeability.value_or(permeability) });
+	if (settings.water && heat.enthalpyForm == EnthalpyForm::stateFunction)
+		for (Material& m : materials_)
+			m.enthalpy.letWaterFillPores(settings.water->state.densityChange ? m.mixture.ice.density : m.mixture.liquid.density);
 	solidMass_ = fields.declare("solidMass", "poreContent", "kg", 1);
 	waterMass_ = fields.declare("waterMass", "poreContent", "kg", 1);
 	porosity_  = fields.declare("porosity", "poreContent", "-", 1);
@@ -140,11 +143,11 @@ template <int D> void PoreContent<D>::load(Block& b, const double* temperature) 
 
 // Loops over points hold constants by value and fields, which never overlap, by pointers of their own: only then are they vectors.
 
-/// Volume of the pores, eq. (2.2).
-template <int D> void PoreContent<D>::findPoreVolume(Block& b) const
+/// Volume of the pores, eq. (2.2), of ground of the given volumes.
+template <int D> void PoreContent<D>::findPoreVolume(Block& b, const double* volumes) const
 {
 	const MixtureProperties m      = b.of->mixture;
-	const double* const     volume = volume_ + b.first;
+	const double* const     volume = volumes + b.first;
 	const double* const     solid  = solidMass + b.first;
 #pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k)
@@ -432,12 +435,13 @@ template <int D> int PoreContent<D>::firstImpossible(const Block& b) const
 template <int D> int PoreContent<D>::findTemperature(Block& b, const PointArrays& of) const
 {
 	load(b, of.heat.temperature);
-	findPoreVolume(b);
+	// ice has the room of the pores at the start where no water flows, which strain does not change
+	findPoreVolume(b, of.hasSolid() ? of.solid.initialVolume : volume_);
 	if (of.hasHeat()) solveTemperature(b, of.heat);
+	findPoreVolume(b, volume_);
 	const int bad = firstImpossible(b);
 	if (bad < b.end() || !of.hasHeat()) return bad;
 	std::copy_n(b.temperature, b.count, of.heat.temperature + b.first);
-	findPoreVolume(b);
 	if (iceMass && of.hasWater()) exchangePhaseMomentum(b, of.solid, of.water);
 	return bad;
 }

@@ -27,6 +27,7 @@ public:
 	struct OfSolid {
 		double*                mass;     ///< changes where water freezes or melts
 		std::array<double*, D> velocity; ///< the same, by the momentum that goes along
+		const double*          initialVolume;
 	};
 	struct OfWater {
 		double *               pressure, *liquidFraction, *drag;
@@ -140,7 +141,7 @@ private:
 	const Material&               of(int place) const { return materials_[points_->material(place)]; }
 	void                          choosePoints(Block& b, int last) const;
 	void                          load(Block& b, const double* temperature) const;
-	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b) const;
+	TALIK_PROCESSOR_VERSIONS void findPoreVolume(Block& b, const double* volumes) const;
 	void                          solveTemperature(Block& b, const OfHeat& heat) const;
 	bool                          hasExcessIce(const Block& b) const;
 	void                          solveWithExcessIce(Block& b, const OfHeat& heat) const;
