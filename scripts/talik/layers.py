@@ -176,6 +176,7 @@ def _numbersOfMaterials(mpm, layers):
 	"""{layer: number of its material}; completes mpm.materials."""
 	if not any("material" in layer for layer in layers.values()):
 		return dict.fromkeys(layers, 0)
+	_refuseOtherMaterials(layers)
 	materials, numbers = list(mpm.materials), {}
 	without = [name for name, layer in layers.items() if "material" not in layer]
 	if without and materials:
@@ -187,8 +188,6 @@ def _numbersOfMaterials(mpm, layers):
 		if name in without:
 			numbers[name] = 0
 			continue
-		if not isinstance(material, wrapper.GroundMaterial):
-			raise ValueError(f"layer '{name}': material is {material!r}; give a GroundMaterial")
 		if material not in materials:
 			if not material.name:
 				material.name = name
@@ -221,6 +220,12 @@ def _freezingPoint(curve):
 	if curve.curve != "table":
 		return curve.freezingTemperature
 	return next((t for t, saturation in zip(curve.temperatures, curve.liquidSaturations) if saturation == 1), 0.0)
+
+
+def _refuseOtherMaterials(layers):
+	for name, layer in layers.items():
+		if "material" in layer and not isinstance(layer["material"], wrapper.GroundMaterial):
+			raise ValueError(f"layer '{name}': material is {layer['material']!r}; give a GroundMaterial")
 
 
 def _density(mpm, layer):

@@ -127,6 +127,7 @@ def infiniteColumn(mpm, angle, layers, waterDepth=math.inf, lateralRatio=1.0, po
 		raise ValueError("infiniteColumn: waterDepth is given, and the ground has no water; set water=PoreWater(), or leave it out")
 	if mpm.pointCount:
 		raise ValueError(f"infiniteColumn: the ground has {mpm.pointCount} points already; give an MpmEngine without")
+	groundLayers._refuseOtherMaterials(layers)
 	h, total = mpm.gridSpacing, sum(_thicknessOf(name, layer) for name, layer in layers.items())
 	along, across = 9.81 * math.sin(math.radians(angle)), 9.81 * math.cos(math.radians(angle))
 	roomAbove = 4  # cells: for heave

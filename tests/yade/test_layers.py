@@ -257,3 +257,12 @@ def test_a_dry_layer_beside_pore_water_is_refused_by_its_name():
 	gravel, silt = dict(polygon=talik.geometry.rectangle(0, 1, 2, 2), poreFill=0.1), dict(polygon=talik.geometry.rectangle(0, 0, 2, 1))
 	with pytest.raises(ValueError, match="layer 'gravel' has poreFill 0.1, and with MpmEngine.water all pores are full; leave water out"):
 		talik.layers.fill(mpm, {"gravel": gravel, "silt": silt})
+
+
+def test_a_name_in_place_of_a_material_is_refused_by_its_layer():
+	for filled in (
+		lambda mpm: talik.layers.fill(mpm, {"sand": dict(polygon=rectangle(0, 0, 0.1, 1), material="silt")}),
+		lambda mpm: talik.slope.infiniteColumn(mpm, 10, {"sand": dict(thickness=1, material="silt")}),
+	):
+		with pytest.raises(ValueError, match="layer 'sand': material is 'silt'; give a GroundMaterial"):
+			filled(ground())

@@ -361,8 +361,8 @@ class Prediction:
 	def report(self):
 		"""Table of all tests; angles in degrees, volume in per cent, compression positive."""
 		lines = [
-			"| test | void ratio | pressure [kPa] | peak angle [°] | measured | angle at the end [°] | measured | volume at the end [%] | measured |",
-			"|---|---|---|---|---|---|---|---|---|",
+			"| test | void ratio | pressure [kPa] | peak angle [°] | measured | angle at the end [°] | measured | volume at the end [%] | measured | E_50 [MPa] |",
+			"|---|---|---|---|---|---|---|---|---|---|",
 		]
 		for k, test in enumerate(self.tests):
 			cells = []
@@ -371,6 +371,7 @@ class Prediction:
 				cells.append(f"{factor * self.mean(k, name):.1f}" + ("" if math.isnan(spread) else f" ± {factor * spread:.1f}"))
 				known = test.measured.get(name)
 				cells.append("" if known is None else f"{factor * known:.1f}" + (" (fitted)" if test.name in self.fitted else ""))
+			cells.append(f"{1e-6 * self.mean(k, 'E50'):.3g}")
 			lines.append(f"| {test.name} | {test.voidRatio:.3f} | {test.pressure / 1e3:.0f} | {' | '.join(cells)} |")
 		found = ", ".join(f"{name} {value:.3g}" for name, value in self.parameters.items())
 		return "\n".join([*lines, "", f"fitted on {', '.join(self.fitted)}: {found}"])
