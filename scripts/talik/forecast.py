@@ -298,10 +298,9 @@ class Exceedance:
 		more = runsToHalve(0.5 * runs, runs, self.level)
 		return "\n".join([*text, f"{runs} runs, confidence {100 * self.level:.0f} %; {more} more halve the widest interval"])
 
-	def draw(self, label, figure=None):
-		"""Figure: probability over the limit, with its band of confidence; label with unit, for its axis."""
-		fig = figure or plots.figure(6, 4)
-		axes = fig.subplots()
+	def draw(self, label, axes=None):
+		"""Figure: probability over the limit, with its band of confidence; label with unit, for its axis. axes: of a figure that there is."""
+		axes = axes or plots.figure(6, 4).subplots()
 		limits = np.repeat(self.known, 2)
 		at = np.array(self.at(limits))
 		at[:, ::2] = np.array(self.at(np.nextafter(self.known, -np.inf)))
@@ -309,7 +308,7 @@ class Exceedance:
 		axes.plot(limits, 100 * at[0], color="navy", label=f"{len(self.known)} runs")
 		axes.set(xlabel=label, ylabel="probability that it is above [%]", ylim=(0, 100))
 		axes.legend(frameon=False)
-		return fig
+		return axes.figure
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,7 @@ def infiniteColumn(mpm, angle, layers, waterDepth=math.inf, lateralRatio=1.0, po
 	layers         {name: dict(thickness=m across the slope, …)} from the surface down, otherwise as in talik.layers.fill without polygon
 	waterDepth     depth of the water table across the slope [m], with pore water: water below it flows parallel to the slope
 	lateralRatio   effective stress along the slope over that across it [-]; 1: that of a slope which yields without dilation
-	pointsPerCell  a square number; default 4
+	pointsPerCell  a square number; default that of talik.geometry.fill
 	cells          width of the column [cells]: 1 where all is the same along the slope
 
 	A column stands on its base whatever thaws above; compare talik.slope.infiniteSlope.

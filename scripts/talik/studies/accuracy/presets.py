@@ -59,7 +59,7 @@ comparedByHand = (
 	"frost_heave_column",
 	"chilled_pipeline",
 )
-withoutKnob = ("melting_column", *comparedByHand, "thaw_slump_bowl", "centrifuge_slopes")
+withoutKnob = ("melting_column", *comparedByHand, "thaw_slump_bowl", "centrifuge_slopes", "slope_at_risk")
 
 
 def presetsOf(file):
