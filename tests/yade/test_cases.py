@@ -471,7 +471,7 @@ def test_compare_thaw_strain_runs_none_a_few_per_cent_and_all_of_it_slow(tmp_pat
 
 
 def test_case_two_with_full_thaw_strain_fails_along_an_inclined_band_of_broken_bonds_that_reaches_the_top_slow(tmp_path):
-	preset = thawslump.Preset(gridSpacing=0.5, grains=100, days=600.0)  # the roof breaks between day 430 and more than 500
+	preset = thawslump.Preset(gridSpacing=0.5, grains=100, days=600.0)  # the roof breaks on day 490
 	with talik.scratchScene():
 		slump = thawslump.ThawSlump(case, preset, tmp_path, thawslump.Ground(thawStrain="full"))
 		summary = slump.run()
@@ -482,8 +482,8 @@ def test_case_two_with_full_thaw_strain_fails_along_an_inclined_band_of_broken_b
 	assert shearband.frozen(last)[band.points].all() and band.brokenBonds >= 0.01
 	assert shearband.frozen(last)[watched["A"]] and bonds["A"]["bondsBroken"] >= 0.01 * bonds["A"]["bondsFormed"] and bonds["A"]["bondsIntact"] > 0
 	assert not shearband.frozen(last)[watched["B"]] and bonds["B"]["bondsIntact"] == 0 and bonds["B"]["bondsFormed"] > 0
-	# after 5 m of displacement the frozen part of the band ends some rows of points below the top; the band in all ground reaches it
-	assert surface.top < 0.5 * preset.gridSpacing and band.top < 1.5 * preset.gridSpacing
+	# the uppermost points lie half a cell below the top; after 5 m of displacement the frozen part of the band ends a row or two below them
+	assert surface.top < 0.6 * preset.gridSpacing and band.top < 1.5 * preset.gridSpacing
 	assert band.depth > 2 * preset.gridSpacing and band.descendsTowards == "right"
 	assert 45 < band.inclination <= 90 and 20 < surface.inclination < 45
 	assert summary["largest displacement [m]"] > 0.5
