@@ -108,7 +108,7 @@ struct EnthalpyFormula {
 		const double si = 1.0 - sl, density = properties.densityAt(ice, temperature);
 		const double inPores = properties.densityAt(iceInPores, temperature), ofLiquid = properties.densityAt(liquid, temperature);
 		const bool   fills    = iceInPores.density > 0.0;
-		const double perPores = inPores * si + ofLiquid * sl; // water of full pores, and its derivative
+		const double perPores = inPores * si + ofLiquid * sl; // water of full pores, eq. (2.5), and its derivative
 		const double change   = (ofLiquid - inPores) * dsl - iceInPores.density * ice.expansivity * si - liquid.density * liquid.expansivity * sl;
 		const double volume   = fills ? soil.waterMass / perPores : soil.poreVolume;
 		const double uncapped = density * si * volume;

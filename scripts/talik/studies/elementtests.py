@@ -346,6 +346,7 @@ class Prediction:
 	numbers: list
 
 	def mean(self, k, name):
+		"""Mean over the libraries."""
 		return float(np.mean([one[name] for one in self.numbers[k]]))
 
 	def deviation(self, k, name):
