@@ -471,7 +471,7 @@ def test_compare_thaw_strain_runs_none_a_few_per_cent_and_all_of_it_slow(tmp_pat
 
 
 def test_case_two_with_full_thaw_strain_fails_along_an_inclined_band_of_broken_bonds_that_reaches_the_top_slow(tmp_path):
-	preset = thawslump.Preset(gridSpacing=0.5, grains=100, days=600.0)  # the roof breaks on day 490
+	preset = thawslump.Preset(gridSpacing=0.5, grains=100, days=600.0)  # the roof breaks on day 484
 	with talik.scratchScene():
 		slump = thawslump.ThawSlump(case, preset, tmp_path, thawslump.Ground(thawStrain="full"))
 		summary = slump.run()
