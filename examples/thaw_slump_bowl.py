@@ -25,12 +25,12 @@ from talik.files import writableFolder
 
 @dataclass
 class Preset:
-	gridSpacing: float  # [m], a part of the sides of the height grid
+	gridSpacing: float  # [m], a part of the sides of the height grid; with one point a cell
 	grains: int  # of a sample
 	days: float  # of thaw
 
 
-presets = {"test": Preset(1.8, 80, 20.0), "draft": Preset(0.9, 100, 40.0), "standard": Preset(0.6, 100, 60.0)}
+presets = {"test": Preset(0.9, 80, 20.0), "draft": Preset(0.6, 100, 40.0), "standard": Preset(0.45, 100, 60.0)}
 skeletons = ("samples", "MohrCoulomb")
 
 frozen, warm, porosity = -5.0, 10.0, 0.4  # [degC], [-]

@@ -500,7 +500,7 @@ def test_case_two_without_thaw_strain_keeps_its_support_slow(tmp_path):
 		f"frozen ground moved by {1e3 * roof:.2f} mm, thawed ground by {1e3 * summary['largest displacement [m]']:.2f} mm, thawed part "
 		f"{summary['thawed part [-]']:.2f}"
 	)
-	# thawed ground at the side walls of the pocket is not held by friction there (14 mm); a roof that breaks moves by half a metre
+	# thawed ground at the side walls of the pocket is not held by friction there (36 mm); a roof that breaks moves by half a metre
 	assert summary["thawed part [-]"] > 0.1 and roof < 0.01 and summary["largest displacement [m]"] < 0.05
 	assert slump.band() is None and slump.slipSurface() is None
 
