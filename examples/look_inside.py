@@ -26,7 +26,7 @@ folder = Path(options.output)
 grains, endTime = presets[options.preset]
 
 mpm = MpmEngine(
-	gridSpacing=0.25,
+	gridSpacing=0.125,
 	lower=(0, 0),
 	upper=(4, 3),
 	gravity=(0, -9.81),
@@ -41,7 +41,7 @@ mpm = MpmEngine(
 		SurfaceTemperature(region="surface", times=[0, 5 * talik.day], values=[-2, 10]),
 	],
 )
-talik.geometry.fill(mpm, [(0, 0), (4, 0), (4, 0.5), (3, 0.5), (1.5, 2), (0, 2)], pointsPerCell=4, temperature=-2)
+talik.geometry.fill(mpm, [(0, 0), (4, 0), (4, 0.5), (3, 0.5), (1.5, 2), (0, 2)], temperature=-2)
 mpm.watch(range(mpm.pointCount), interval=endTime / 200)
 O.engines = [mpm]
 runUntil(endTime)
