@@ -2,7 +2,7 @@
 #include "ShearTest.hpp"
 
 #include <boost/python/numpy.hpp>
-#include <pkg/mpm/ThreadPool.hpp>
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/multiscale/samples/RveSample.hpp>
 #include <pkg/python/ScriptValues.hpp>
 #include <pkg/rve/SimpleShear.hpp>

@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib import pyplot
 from scipy.optimize import nnls
 
-dealInterval, keptCost, enough = 32, 0.5, 1.02  # of DistributedStore and dealtAgain
+dealInterval, keptCost, enough = 32, 0.5, 1.02  # of samples that are dealt to ranks by their cost, as Talik did in 0.1
 meetingBytes, compareInterval = 128, 100
 answerBytes = {2: 192, 3: 752}  # of an answer, with its tangent
 pointBytes = 600  # of the arrays of a point, which every rank holds
@@ -38,7 +38,7 @@ class Network:
 	localBandwidth: float = 6e9  # of a rank that copies [B/s]
 
 	def allGather(self, totalBytes, ranks):
-		"""Seconds until each rank has all parts, eq. (16.3): doubling steps among machines, then among the ranks of one."""
+		"""Seconds until each rank has all parts, eq. (16.2): doubling steps among machines, then among the ranks of one."""
 		machines, local = -(-ranks // self.perMachine), min(ranks, self.perMachine)
 		seconds = np.ceil(np.log2(local)) * self.localLatency + totalBytes * (local - 1) / local / self.localBandwidth
 		if machines > 1:
@@ -115,7 +115,7 @@ class Loads:
 
 
 def recordedLoads(record, ranks):
-	"""The recorded ground, dealt to ranks and dealt again as DistributedStore does."""
+	"""The recorded ground, dealt to ranks and dealt again, as Talik did in 0.1."""
 	owner, sinceDeal, updates = np.arange(record.points) % ranks, np.zeros(record.points), 0
 	loads = []
 	for demSteps in record.taken:
@@ -150,7 +150,7 @@ def copiedLoads(record, rankCounts, points, groundOfPoint, steps):
 
 
 class Replay:
-	"""Eq. (16.2): time of loads on ranks and a network, summed over the steps [s]."""
+	"""Eq. (16.1): time of loads on ranks and a network, summed over the steps [s]."""
 
 	def __init__(self, loads, network, dimension, threads=1, inBands=False):
 		"""threads: of each rank, assumed to work without loss. inBands: as if the ground were cut into bands of equal cost, each of whose ranks

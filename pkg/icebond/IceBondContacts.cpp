@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
-#include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/BondTable.hpp>
 #include <pkg/icebond/ContactForces.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/python/ScriptValues.hpp>
-#include <stdexcept>
 
 namespace yade {
 YADE_PLUGIN((IceBondMat)(IceBondPhys)(Ip2_IceBondMat_IceBondMat_IceBondPhys)(Law2_ScGeom_IceBondPhys_IceBond));

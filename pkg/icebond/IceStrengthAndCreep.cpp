@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
-#include <pkg/icebond/IceLaws.hpp>
 #include <pkg/icebond/IceStrengthAndCreep.hpp>
 #include <pkg/python/ScriptValues.hpp>
 #include <pkg/python/StepGate.hpp>

@@ -25,7 +25,7 @@ public:
 	/// at them brings those of the others. What slabs do not serve is refused by initialise() where they are `required`; else each rank
 	/// computes the whole ground then.
 	virtual void distribute(std::shared_ptr<Communicator> communicator, bool required = true) = 0;
-	virtual bool inBands() const                                                              = 0; ///< after initialise()
+	virtual bool inSlabs() const                                                              = 0; ///< after initialise()
 	/// Checks everything, allocates all fields and sets the initial state. Throws std::invalid_argument naming attribute, value
 	/// and remedy.
 	virtual void initialise()        = 0;

@@ -167,7 +167,6 @@ template <int D> void Calendar<D>::measureEvent(MotionEvent& event, const Points
 	event.largest = std::sqrt(largest);
 }
 
-template class Calendar<2>;
-template class Calendar<3>;
+TALIK_IN_PLANE_AND_SPACE(Calendar);
 
 } // namespace talik

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/CellMeans.hpp>
+#include <functional>
+#include <pkg/base/ProcessorVersions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/points/PointsInMotion.hpp>
 #include <pkg/mpm/StepContext.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <array>
-#include <functional>
 #include <limits>
 #include <vector>
 
@@ -91,8 +91,5 @@ private:
 	/// By cell: momentum [kg m/s] and mass [kg] of its points.
 	PagedArray<std::array<double, D + 1>> cellMotion_;
 };
-
-extern template class Calendar<2>;
-extern template class Calendar<3>;
 
 } // namespace talik

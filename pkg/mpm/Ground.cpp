@@ -96,7 +96,7 @@ template <int D> SkeletonBatch<D> Ground<D>::skeletonBatch(int skeleton) const
 template <int D> void Ground<D>::startSkeleton(int skeleton)
 {
 	settings().skeletons[skeleton]->initialise(skeletonBatch(skeleton));
-	if (parts_->ranks) parts_->followBands(false);
+	if (parts_->ranks) parts_->followSlabs(false);
 }
 
 template <int D> PointFields& Ground<D>::pointFields()
@@ -288,7 +288,6 @@ template <int D> Balance<D> Ground<D>::balance() const
 	return b;
 }
 
-template class Ground<2>;
-template class Ground<3>;
+TALIK_IN_PLANE_AND_SPACE(Ground);
 
 } // namespace talik

@@ -41,7 +41,7 @@ public:
 	void takePoints(int count, std::function<PointInput<D>(int id)> point);
 
 	void distribute(std::shared_ptr<Communicator> communicator, bool required = true) override;
-	bool inBands() const override;
+	bool inSlabs() const override;
 	void initialise() override;
 	bool initialised() const override;
 
@@ -111,8 +111,5 @@ private:
 	struct Parts;
 	std::unique_ptr<Parts> parts_;
 };
-
-extern template class Ground<2>;
-extern template class Ground<3>;
 
 } // namespace talik

@@ -3,7 +3,6 @@
 #include <pkg/mpm/GroundParts.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace talik {

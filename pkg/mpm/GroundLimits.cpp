@@ -113,33 +113,9 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfPoints() const
 	return result;
 }
 
-// ---- points that are about to leave the grid are found before the first of them has moved ---------------------------------
-
-template <int D> void Ground<D>::Parts::requirePathsInside(const StepContext<D>& step)
-{
-	constexpr unsigned leave = 1, unstable = 2;
-	const auto         paths = positions.checkPaths(step, *points, *shape, *motion, front.get());
-	const unsigned     found = step.onAnyRank((paths.leave ? leave : 0) | (paths.finite ? 0 : unstable));
-	if (found & leave) refuseToLeave(step, !(found & unstable));
-}
-
-template <int D> void Ground<D>::Parts::refuseToLeave(const StepContext<D>& step, bool stable)
-{
-	const ConcernedPoints all   = concernedPoints(*points, positions.leaving(step, *points, *shape, *motion, front.get()), clock.steps, step.slabs);
-	const std::string     place = all.count == 0 ? "a material point" : all.first;
-	clock                       = clockBefore;
-	throw std::runtime_error(
-	        place + (stable ? " would have left the grid's box" : " has no finite velocity: the run became unstable") + " (" + std::to_string(all.count)
-	        + (all.count == 1 ? " point concerned: " : " points concerned: ") + all.names + (all.count > 5 ? ", ..." : "")
-	        + "); the ground is as it was before this step: "
-	        + (stable ? "enlarge the box or hold the ground with a boundary there" : "use a smaller time step"));
-}
-
 template StableTimeStep Ground<2>::stableTimeStep() const;
 template StableTimeStep Ground<3>::stableTimeStep() const;
 template StableTimeStep Ground<2>::Parts::limitsOfPoints() const;
 template StableTimeStep Ground<3>::Parts::limitsOfPoints() const;
-template void           Ground<2>::Parts::requirePathsInside(const StepContext<2>&);
-template void           Ground<3>::Parts::requirePathsInside(const StepContext<3>&);
 
 } // namespace talik

@@ -19,7 +19,7 @@ template <int D> void Ground<D>::Parts::sort()
 template <int D> void Ground<D>::Parts::afterReordering(bool pointsMoved)
 {
 	if (ranks) ranks.cut();
-	if (ranks && motion) followBands(pointsMoved);
+	if (ranks && motion) followSlabs(pointsMoved);
 	ranks.chooseRows(clock.range);
 	// what lies outside the active range stays zero until the next sorting
 	if (ranks) keepOwnPart();

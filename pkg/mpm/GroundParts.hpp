@@ -3,16 +3,19 @@
 
 // What a ground consists of; shared by the files that implement Ground.
 
+#include <algorithm>
+#include <pkg/base/ProcessorVersions.hpp>
 #include <pkg/mpm/Calendar.hpp>
 #include <pkg/mpm/CostMeter.hpp>
+#include <pkg/mpm/effects/AffineVelocity.hpp>
 #include <pkg/mpm/effects/BBar.hpp>
 #include <pkg/mpm/effects/DeformationRecord.hpp>
 #include <pkg/mpm/effects/Effect.hpp>
+#include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
 #include <pkg/mpm/effects/IceSegregation.hpp>
 #include <pkg/mpm/effects/ImplicitPressure.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
-#include <pkg/mpm/effects/NodeColumns.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/PositionCheck.hpp>
@@ -23,23 +26,20 @@
 #include <pkg/mpm/effects/ThawedCompression.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
 #include <pkg/mpm/front/ThawFront.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
-#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/mpm/grid/NodeColumns.hpp>
 #include <pkg/mpm/Ground.hpp>
 #include <pkg/mpm/GroundRanks.hpp>
-#include <pkg/mpm/points/AffineVelocity.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 #include <pkg/mpm/points/ConcernedPoints.hpp>
 #include <pkg/mpm/points/PointPasses.hpp>
 #include <pkg/mpm/skeleton/SkeletonSet.hpp>
 #include <pkg/mpm/StepContext.hpp>
 #include <pkg/mpm/StepLedger.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
+#include <stdexcept>
 
-#include <algorithm>
 #include <exception>
 #include <functional>
 #include <memory>
-#include <stdexcept>
 
 namespace talik {
 
@@ -126,6 +126,7 @@ template <int D> struct Ground<D>::Parts {
 	mutable PagedArray<double> scratch;
 	mutable CostMeter          cost;
 	PointPasses<D>             passes;
+	bool                       fillsCells     = false; ///< points have more than half of the volume of a cell
 	bool                       heatRests      = false; ///< in this step
 	bool                       waterRests     = false; ///< in this step no water moved through the skeleton
 	bool                       contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
@@ -184,7 +185,7 @@ template <int D> struct Ground<D>::Parts {
 	/// Why this scene is not divided among ranks; empty where it is.
 	std::string refusalOfRanks() const;
 	/// What skeleton laws keep behind points goes where these are; moved: see SkeletonModel.
-	void followBands(bool moved);
+	void followSlabs(bool moved);
 	/// Of points, nodes and cells only what this rank computes takes memory.
 	void          keepOwnPart();
 	const double* costOfPoints() const;
@@ -245,11 +246,8 @@ template <int D> struct Ground<D>::Parts {
 	void findImplicitPressure(const StepContext<D>& step);
 
 	// ---- g2p ------------------------------------------------------------------------------------------------------------
-	/// Throws, with the ground as it was before the step, if a point is about to leave the grid's box.
-	void              requirePathsInside(const StepContext<D>& step);
-	[[noreturn]] void refuseToLeave(const StepContext<D>& step, bool stable);
-	void              gatherFromGrid(const StepContext<D>& step);
-	void              checkPositions(const StepContext<D>& step);
+	void gatherFromGrid(const StepContext<D>& step);
+	void checkPositions(const StepContext<D>& step);
 
 	// ---- updateStrainAndPressure ----------------------------------------------------------------------------------------
 	void segregate(const StepContext<D>& step);

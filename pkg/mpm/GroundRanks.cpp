@@ -8,7 +8,7 @@
 namespace talik {
 
 namespace {
-	const std::string pointsOfBands = "points of the slabs", timeStepLimits = "time step limits";
+	const std::string pointsOfSlabs = "points of the slabs", timeStepLimits = "time step limits";
 } // namespace
 
 template <int D> void GroundRanks<D>::distribute(std::shared_ptr<Communicator> communicator, bool required)
@@ -22,7 +22,7 @@ template <int D> std::string GroundRanks<D>::refusalOfSize() const
 	const int strips = points_->strips().count(), least = SlabDecomposition::leastStrips;
 	if (strips >= least * communicator_->count()) return "";
 	return "the grid has " + std::to_string(strips) + " strips of " + std::to_string(Strips::rows) + " rows of cells, and each of "
-	        + std::to_string(communicator_->count()) + " ranks needs " + std::to_string(least) + ": choose 'samples', or run it on fewer ranks.";
+	        + std::to_string(communicator_->count()) + " ranks needs " + std::to_string(least) + ": choose 'none', or run it on fewer ranks.";
 }
 
 template <int D> void GroundRanks<D>::start(const Grid<D>& grid, MaterialPoints<D>& points, const std::string& refusal, std::function<std::string()> limits)
@@ -93,7 +93,7 @@ template <int D> void GroundRanks<D>::readAgain()
 template <int D> void GroundRanks<D>::bringPoints() const
 {
 	if (!slabs_ || slabs_->allCurrent) return;
-	takePoints(slabs_->ask(pointsOfBands));
+	takePoints(slabs_->ask(pointsOfSlabs));
 	slabs_->allCurrent = true;
 }
 
@@ -135,12 +135,11 @@ template <int D> void GroundRanks<D>::writeOwnPoints(const FilePlace& place, Par
 
 template <int D> std::string GroundRanks<D>::answer(const std::string& question, const std::function<std::string()>& limits) const
 {
-	return question == pointsOfBands ? ownPoints() : limits();
+	return question == pointsOfSlabs ? ownPoints() : limits();
 }
 
 template <int D> std::vector<std::string> GroundRanks<D>::askLimits() const { return slabs_->ask(timeStepLimits); }
 
-template class GroundRanks<2>;
-template class GroundRanks<3>;
+TALIK_IN_PLANE_AND_SPACE(GroundRanks);
 
 } // namespace talik

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 
 #include <functional>
@@ -75,8 +75,5 @@ private:
 	MaterialPoints<D>*                 points_ = nullptr;
 	ActiveRange                        owned_, halo_;
 };
-
-extern template class GroundRanks<2>;
-extern template class GroundRanks<3>;
 
 } // namespace talik

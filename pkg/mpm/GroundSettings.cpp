@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/effects/Effect.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -150,11 +148,6 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		        !(s.motion->picTime < 0.0), "MpmEngine.picTime", s.motion->picTime, "must not be negative, in s; infinity: none dies out, NaN: chosen");
 		requireSetting(
 		        s.motion->localDamping >= 0.0 && s.motion->localDamping < 1.0, "MpmEngine.damping", s.motion->localDamping, "must lie in [0, 1)");
-		if (s.motion->transfer == VelocityTransfer::apic && s.shapeFunction == "linear")
-			throw std::invalid_argument(
-			        "MpmEngine.transfer = 'apic' with shapeFunction = 'linear': a point on a node has no second moment there; use "
-			        "quadraticBSpline or gimp, or "
-			        "transfer = 'tpic'");
 		if (s.skeletons.empty()) throw std::invalid_argument("skeletons = []: a scene with motion needs at least one skeleton model");
 		for (const auto& skeleton : s.skeletons) {
 			if (!skeleton) throw std::invalid_argument("skeletons: an entry is empty; give a skeleton model");

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/ParameterList.hpp>
 #include <pkg/mpm/boundary/Boundary.hpp>
-#include <pkg/mpm/effects/CompressionCurve.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
+#include <pkg/thm/CompressionCurve.hpp>
 #include <pkg/thm/Enthalpy.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
-#include <pkg/thm/ParameterList.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 #include <pkg/thm/SegregationPotential.hpp>
 
@@ -111,8 +111,6 @@ struct WaterSettings {
 	double largestConductivity = std::numeric_limits<double>::quiet_NaN();
 	/// Pressure of the end of the step, from one system for all cells, see ImplicitPressure: the stiffness of water does not limit the step.
 	bool implicit = false;
-	/// exact: pressure from masses (drift-free). printed: rate form with the coefficient of Yu & Zhao eq. (3), for comparison.
-	/// The choice is made by state.massCoefficient.
 };
 
 /// Constants of the contact at the thaw front. What each does is measured by `scripts/accuracy front`.
@@ -209,6 +207,9 @@ template <int D> struct GroundSettings : SettingsOfAnyDimension {
 	std::vector<std::shared_ptr<Boundary<D>>>      boundaries;
 	std::vector<std::shared_ptr<SkeletonModel<D>>> skeletons; ///< PointInput::skeleton counts in this list
 	std::vector<std::shared_ptr<Effect<D>>>        effects;   ///< that stand in files of their own, see Effect; need motion
+
+	/// Pore water expands where it freezes, so that ice may part the grains.
+	bool iceExpands() const { return motion && freezing && water && water->state.densityChange; }
 };
 
 /// One material point as it is put into a scene.

@@ -60,7 +60,7 @@ template <int D> bool Ground<D>::Parts::hasFront() const
 template <int D> bool Ground<D>::Parts::hasThawStrain() const
 {
 	return settings.segregation // whose ice leaves room where it melts, as pore ice that cannot expel its water does
-	        || (settings.motion && settings.freezing && settings.water && settings.water->state.densityChange)
+	        || settings.iceExpands()
 	        || std::any_of(settings.materials.begin(), settings.materials.end(), [](const SoilMaterial& m) { return m.thawStrain > 0.0; });
 }
 
@@ -358,6 +358,8 @@ template <int D> void Ground<D>::initialise()
 		if (b->joinsSides()) g.grid.joinSides(b->region().on.axis);
 	if (!g.given.at) takePoints(int(g.given.list.size()), [&g](int id) { return g.given.list[id]; });
 	checkPoints(g.settings, g.grid, g.given.count, g.given.at);
+	for (int id = 0; id < g.given.count && !g.fillsCells; ++id)
+		g.fillsCells = 2.0 * g.given.at(id).volume > g.grid.cellVolume();
 	g.shape = makeShapeFunction<D>(g.settings.shapeFunction);
 	g.declareFields();
 	g.placePoints();

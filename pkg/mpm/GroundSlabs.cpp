@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/GroundParts.hpp>
 
-#include <cmath>
 #include <cstring>
 
 // A ground whose strips are shared out among ranks.
@@ -13,19 +12,19 @@ template <int D> void Ground<D>::distribute(std::shared_ptr<Communicator> commun
 	parts_->ranks.distribute(std::move(communicator), required);
 }
 
-template <int D> bool Ground<D>::inBands() const { return bool(parts_->ranks); }
+template <int D> bool Ground<D>::inSlabs() const { return bool(parts_->ranks); }
 
 template <int D> std::string Ground<D>::Parts::refusalOfRanks() const
 {
-	if (settings.motion && settings.motion->balanceStart) return "balanceStart is one system for the whole ground: choose 'samples', or leave it out.";
-	if (!grid.images().empty()) return "PeriodicBoundary repeats the ground of one rank: choose 'samples', or leave it out.";
+	if (settings.motion && settings.motion->balanceStart) return "balanceStart is one system for the whole ground: choose 'none', or leave it out.";
+	if (!grid.images().empty()) return "PeriodicBoundary repeats the ground of one rank: choose 'none', or leave it out.";
 	return "";
 }
 
-template <int D> void Ground<D>::Parts::followBands(bool moved)
+template <int D> void Ground<D>::Parts::followSlabs(bool moved)
 {
 	for (const auto& skeleton : settings.skeletons)
-		skeleton->followBands(*ranks.slabs(), points->ids(), moved);
+		skeleton->followSlabs(*ranks.slabs(), points->ids(), moved);
 }
 
 template <int D> void Ground<D>::Parts::keepOwnPart()
@@ -104,17 +103,17 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfRanks() const
 }
 
 template void           Ground<2>::distribute(std::shared_ptr<Communicator>, bool);
-template bool           Ground<2>::inBands() const;
+template bool           Ground<2>::inSlabs() const;
 template std::string    Ground<2>::Parts::refusalOfRanks() const;
-template void           Ground<2>::Parts::followBands(bool);
+template void           Ground<2>::Parts::followSlabs(bool);
 template void           Ground<2>::Parts::keepOwnPart();
 template void           Ground<2>::Parts::sortInSlabs();
 template std::string    Ground<2>::Parts::ownLimits() const;
 template StableTimeStep Ground<2>::Parts::limitsOfRanks() const;
 template void           Ground<3>::distribute(std::shared_ptr<Communicator>, bool);
-template bool           Ground<3>::inBands() const;
+template bool           Ground<3>::inSlabs() const;
 template std::string    Ground<3>::Parts::refusalOfRanks() const;
-template void           Ground<3>::Parts::followBands(bool);
+template void           Ground<3>::Parts::followSlabs(bool);
 template void           Ground<3>::Parts::keepOwnPart();
 template void           Ground<3>::Parts::sortInSlabs();
 template std::string    Ground<3>::Parts::ownLimits() const;

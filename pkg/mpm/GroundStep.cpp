@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/GroundParts.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -60,8 +60,7 @@ template <int D> void Ground<D>::g2p()
 {
 	Parts&               g    = *parts_;
 	const StepContext<D> step = g.context();
-	if (g.motion) g.cost.time(CostMeter::motion, [&] { g.requirePathsInside(step); });
-	g.clock.halfDone = 1;
+	g.clock.halfDone          = 1;
 	if (g.allRests()) return;
 	g.gatherFromGrid(step);
 	if (g.motion) g.cost.time(CostMeter::motion, [&] { g.checkPositions(step); });
@@ -220,7 +219,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 	                   } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },
 	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->map(step, w, pointsOfFront(), affine.get()); } },
-	        PassPart { motion && weighs(), CostMeter::motion, [&](const WeightBlock<D>& w, double*) { mapWeight(w); } },
+	        PassPart { motion && weighs() && fillsCells, CostMeter::motion, [&](const WeightBlock<D>& w, double*) { mapWeight(w); } },
 	        PassPart { bool(water), CostMeter::water,
 	                   [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells(), weight, weight ? heat->reference : 0.0); } },
 	        PassPart { conducts(), CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
@@ -231,7 +230,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 template <int D> void Ground<D>::Parts::mapWeight(const WeightBlock<D>& w)
 {
 	motion->mapWeight(
-	        w, grid.spacing(), [&](int p) { return water ? content->liquidMass(p) : 0.0; },
+	        w, grid, [&](int p) { return water ? content->liquidMass(p) : 0.0; },
 	        [&](int k, int node, const Vec<D>& force) {
 		        if (front) front->pushNode(w.first + k, node, force);
 	        });
@@ -468,9 +467,7 @@ template <int D> void Ground<D>::Parts::updatePoints(const StepContext<D>& step)
 	        PassPart { exchangingCells() != nullptr, CostMeter::water,
 	                   [&](int strip, int first, int last, Sample&) { receiveWater(step, strip, first, last); } },
 	        PassPart { bool(segregation), CostMeter::segregation,
-	                   [&](int, int first, int last, Sample&) {
-		                   segregation->receive(*cells, first, last, *heat, content->waterMass, heat->enthalpy, *water);
-	                   } },
+	                   [&](int, int first, int last, Sample&) { segregation->receive(*cells, first, last, content->waterMass, heat->enthalpy, *water); } },
 	        PassPart { bool(motion), CostMeter::motion,
 	                   [&](int, int first, int last, Sample&) { BBar<D>::strain(averagingCells(), *points, *motion, first, last); } },
 	        PassPart { bool(segregation), CostMeter::segregation,
@@ -611,7 +608,7 @@ template <int D> void Ground<D>::Parts::restoreStrainOfGround()
 {
 	if (compression) compression->restoreGradients(motion->gradient);
 	thawStrain->restoreGradients(motion->gradient);
-	if (segregation) segregation->restoreGradients(*motion);
+	if (segregation) segregation->restoreGradients(motion->gradient);
 }
 
 template <int D> void Ground<D>::Parts::bookStep() { clock.account.add(ledger.sum(ranks.slabs())); }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 #include <pkg/mpm/StepLedger.hpp>

@@ -2,7 +2,6 @@
 #include <pkg/ranks/Communicator.hpp>
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
 
 namespace talik {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/thm/Errors.hpp>
+#include <pkg/base/Errors.hpp>
 
 #include <string>
 #include <vector>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/thm/Enthalpy.hpp>
-#include <pkg/thm/Mixture.hpp>
 #include <pkg/thm/PermeabilityRanges.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <limits>
 #include <pkg/thm/Exponential.hpp>
 #include <pkg/thm/Mixture.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 namespace talik {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/thm/Errors.hpp>
+#include <pkg/base/Errors.hpp>
 #include <pkg/thm/SegregationPotential.hpp>
 
 #include <algorithm>
@@ -70,11 +70,6 @@ double SegregationPotential::resistance(double depth, const Gradient& g) const
 
 /// Clapeyron's equation with both pressures: the water at a lens under the load p_i has p_l/rho_l = p_i/rho_i + L T/T_0.
 double SegregationPotential::headOf(double load, double pressure) const { return load / (iceDensity_ * gravity) - pressure / (liquidDensity_ * gravity); }
-
-double SegregationPotential::heavingPressure(double coldest, double pressure) const
-{
-	return iceDensity_ * gravity * (-suction_ * coldest + pressure / (liquidDensity_ * gravity));
-}
 
 SegregationPotential::Intake SegregationPotential::largestIntake(double head, const Gradient& gradient, double more, double coldest) const
 {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <limits>
+#include <pkg/base/ParameterList.hpp>
 #include <pkg/thm/FreezingCurve.hpp>
 #include <pkg/thm/Mixture.hpp>
-#include <pkg/thm/ParameterList.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -61,8 +61,6 @@ public:
 
 	/// SP of eq. (26.1) where neither the way to the front nor the heat of what freezes counts [m^2/(s K)].
 	double potential(double load, double pressure, double coldest = -lowest) const;
-	/// The load at which a front of this coldest temperature draws nothing, from water of a pressure [Pa].
-	double heavingPressure(double coldest, double pressure = 0.0) const;
 	bool   drawsNothing() const { return settings_.segregationPotential == 0.0; }
 
 private:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/ProcessorVersions.hpp>
 #include <pkg/thm/Enthalpy.hpp>
 #include <pkg/thm/FreezingCurveShapes.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <algorithm>
 #include <cmath>

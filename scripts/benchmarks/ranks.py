@@ -86,7 +86,7 @@ def main():
 
 
 def figuresOf(found, steps):
-	"""With s, the part of the time in samples, and b, the balance, of eq. (16.1)."""
+	"""With s, the part of the time in samples, and b, the balance."""
 	for scene in ("samples", "space"):
 		alone = found[scene, 1, 1]
 		yield figures.Figure(

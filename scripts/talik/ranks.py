@@ -3,7 +3,7 @@
 
 	mpirun -n 2 --bind-to none yade -n -x -j1 scene.py
 
-Every rank runs the whole script and computes the whole ground; the samples behind the points are shared out among them (see
+Every rank runs the whole script; each computes a part of the ground, with the samples of its points (see
 MpmEngine.distribute). Rank 0 alone prints, draws and writes. A script needs no change; one that writes files of its own does so on rank 0:
 
 	if talik.ranks.first:

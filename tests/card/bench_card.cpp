@@ -5,7 +5,7 @@
 #include "packedStarts.hpp"
 #include "SampleReplay.hpp"
 
-#include <pkg/mpm/ThreadPool.hpp>
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 

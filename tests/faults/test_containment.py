@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What goes wrong in one place stays there: a sample that explodes, points about to leave the grid, a step that cannot be ended."""
+"""What goes wrong in one place stays there: a sample that explodes, points that leave the grid, a step that cannot be ended."""
 
 import sys
 from pathlib import Path
@@ -104,28 +104,22 @@ def flying(**settings):
 	return mpm
 
 
-def test_points_about_to_leave_the_grid_are_named_and_the_ground_stays_as_it_was_before_the_step(tmp_path):
+def test_points_that_leave_the_grid_are_named_and_the_run_goes_on_from_its_last_checkpoint(tmp_path):
 	mpm = flying()
-	before = None
-	with pytest.raises(RuntimeError) as left:
-		for _ in range(5000):
-			before = stateOf(mpm)
-			run(1)
-	print(left.value)
-	after = stateOf(mpm)
-	after["scene"][2] = before["scene"][2]  # the time step may have been chosen anew
-	for madeAnewInEveryStep in ("addedStress", "gradient"):
-		del before[madeAnewInEveryStep], after[madeAnewInEveryStep]
-	difference = largestDifference(before, after)
-	print(f"after {O.iter} steps; largest difference over {len(before)} fields and balances to the state before the refused step: {difference}")
-	assert "would have left the grid's box" in str(left.value) and "enlarge the box" in str(left.value)
-	assert difference == 0 and O.subStep == -1
-	with pytest.raises(RuntimeError, match="would have left the grid's box"):  # the same answer, not another kind of harm
-		O.step()
+	run(10)
 	talik.checkpoint.write(tmp_path / "x")
+	before = stateOf(mpm)
+	with pytest.raises(RuntimeError) as left:
+		run(5000)
+	print(left.value)
+	assert "left the grid's box" in str(left.value) and "enlarge the box" in str(left.value)
+	assert O.subStep == -1
+	with pytest.raises(RuntimeError, match="ended half way.*go on from a checkpoint"):
+		O.step()
 	O.reset()
 	mpm = talik.resume(tmp_path / "x")
 	assert largestDifference({k: before[k] for k in ("position", "velocity")}, {k: mpm.field(k) for k in ("position", "velocity")}) == 0
+	run(1)
 
 
 def test_the_error_of_a_background_run_is_not_lost_when_the_run_ends_before_it_is_waited_for():
@@ -135,10 +129,10 @@ def test_the_error_of_a_background_run_is_not_lost_when_the_run_ends_before_it_i
 	O.run(5000)
 	while O.running:
 		time.sleep(0.01)
-	with pytest.raises(RuntimeError, match="would have left the grid's box"):
+	with pytest.raises(RuntimeError, match="left the grid's box"):
 		O.wait()
 	print(mpm.failure)
-	assert "would have left the grid's box" in mpm.failure
+	assert "left the grid's box" in mpm.failure
 
 
 def test_points_that_rest_against_the_walls_of_the_box_do_not_leave_it():
@@ -159,12 +153,11 @@ def test_points_that_rest_against_the_walls_of_the_box_do_not_leave_it():
 	assert O.iter == 500 and np.isfinite(mpm.field("stress")).all()
 
 
-def test_a_run_that_became_unstable_says_so_before_points_move():
+def test_a_run_that_became_unstable_says_so_in_that_step_with_the_remedy():
 	mpm = flying()
 	run(3)
-	before = mpm.field("position")
 	mpm.gravity = (0, -1e308)
 	with pytest.raises(RuntimeError) as unstable:
 		run(50)
 	print(unstable.value)
-	assert np.isfinite(mpm.field("position")).all() and np.isfinite(before).all()
+	assert "in step 3 is not a number: the run became unstable" in str(unstable.value) and "use a smaller time step" in str(unstable.value)

@@ -47,9 +47,9 @@ namespace {
 	template <int D> void Draw<D>::motion()
 	{
 		s.motion.emplace();
-		s.shapeFunction        = dice.oneOf<std::string>("shape", { "quadraticBSpline", "quadraticBSpline", "gimp", "linear" });
+		s.shapeFunction        = dice.oneOf<std::string>("shape", { "quadraticBSpline", "quadraticBSpline", "gimp", "quadraticBSpline" });
 		const auto transfer    = dice.oneOf<std::string>("transfer", { "flip", "flip", "apic", "tpic" });
-		s.motion->transfer     = velocityTransferFromName(transfer == "apic" && s.shapeFunction == "linear" ? "tpic" : transfer);
+		s.motion->transfer     = velocityTransferFromName(transfer);
 		s.motion->picTime      = dice.decades("picTime", 1e-6, 1e2);
 		s.motion->localDamping = dice.chance("damped", 0.2) ? 0.7 : 0.0;
 		s.motion->bBar         = !dice.chance("noCellMeans", 0.25);

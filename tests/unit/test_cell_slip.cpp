@@ -134,12 +134,10 @@ std::string bytesOfFour(const PackedState<2>& start, int threads, int savedAfter
 		}
 		store->update(requests, {}, threads);
 		if (update != savedAfter) continue;
-		ByteWriter writer;
-		store->save(writer);
-		const std::string saved = writer.bytes();
-		ByteReader        reader(saved);
-		store = make();
-		store->restore(reader);
+		const auto        layout = store->layout();
+		const std::string states = store->states();
+		store                    = make();
+		store->restore(layout, [&](std::uint64_t at, std::uint64_t length) { return states.substr(at, length); });
 	}
 	ByteWriter all;
 	for (std::size_t k = 0; k < 4; ++k) {

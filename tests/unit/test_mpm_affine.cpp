@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Affine velocity transfers: adjointness, momentum, angular momentum and linear fields, on random points and nodal velocities.
-#include <pkg/mpm/points/AffineVelocity.hpp>
+#include <pkg/mpm/effects/AffineVelocity.hpp>
 
 #include <gtest/gtest.h>
 

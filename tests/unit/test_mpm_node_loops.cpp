@@ -3,9 +3,9 @@
 #include "groundState.hpp"
 
 #include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/grid/NodeLoops.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/Ground.hpp>
-#include <pkg/mpm/kernels/NodeLoops.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
 
 #include <gtest/gtest.h>
@@ -224,7 +224,6 @@ std::vector<Scene> scenes()
 		{ "dry, apic", true, false, false, false, false, false, VelocityTransfer::apic },
 		{ "dry, tpic", true, false, false, false, false, false, VelocityTransfer::tpic },
 		{ "dry, gimp", true, false, false, false, false, false, flip, "gimp" },
-		{ "dry, linear", true, false, false, false, false, false, flip, "linear" },
 		{ "rigid, heat", false, false, true },
 		{ "rigid, heat, freezing, surface", false, false, true, true, false, true },
 		{ "heat", true, false, true },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/ThreadPool.hpp>
+#include <pkg/base/ThreadPool.hpp>
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Identities between what points give to nodes and what nodes give back, on random states.
 #include <pkg/mpm/boundary/Boundaries.hpp>
+#include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
-#include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/Ground.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 
 #include <gtest/gtest.h>

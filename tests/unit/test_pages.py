@@ -183,3 +183,16 @@ def test_rooms_use_no_others_than_the_map_says_and_no_two_use_each_other():
 		free = [room for room, used in found.items() if room not in order and used <= set(order)]
 		assert free, f"a circle among {sorted(set(found) - set(order))}"
 		order += free
+
+
+def test_folders_of_the_ground_include_those_below_them_only():
+	"""Effects and the thaw front need each other, and the settings of a ground its boundaries and laws; below them arrows go downwards."""
+	below = {"grid": set(), "boundary": {"grid"}, "points": {"grid"}, "kernels": {"grid"}}
+	found = {folder: set() for folder in below}
+	for file, text in sources().items():
+		folder = file.relative_to(root).parts[-2]
+		if file.is_relative_to(root / "pkg/mpm") and folder in found:
+			found[folder] |= {used for used in re.findall(r"^#\s*include <pkg/mpm/(\w+)/", text, re.M) if used != folder}
+	for folder, used in found.items():
+		print(f"mpm/{folder} -> {', '.join(sorted(used)) or 'none'}")
+	assert found == below

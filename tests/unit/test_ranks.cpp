@@ -10,7 +10,6 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <numeric>
-#include <pkg/multiscale/samples/DistributedStore.hpp>
 #include <pkg/multiscale/samples/PackedStore.hpp>
 #include <pkg/multiscale/samples/SampleStore.hpp>
 #include <pkg/multiscale/samples/SlabStore.hpp>
@@ -43,93 +42,6 @@ std::vector<PackedRequest<3>> requestsOf(int turn)
 	}
 	return requests;
 }
-
-struct History {
-	std::vector<double>  numbers; ///< stresses, tangents and measures
-	std::string          saved;
-	std::size_t          states = 0;
-	SampleStore::Sharing sharing;
-};
-
-History follow(SampleStoreOf<3>& store, int turns)
-{
-	PackedUpdateOptions options;
-	options.tangent = true;
-	History history;
-	for (int s = 0; s < samples; ++s)
-		store.add(0, 0.3, options);
-	for (int turn = 0; turn < turns; ++turn) {
-		for (const auto& result : store.update(requestsOf(turn), options, 1)) {
-			history.numbers.insert(history.numbers.end(), result.stress.data(), result.stress.data() + 9);
-			history.numbers.insert(history.numbers.end(), result.tangent.begin(), result.tangent.end());
-		}
-		if (turn % 10) continue;
-		for (const auto& row : store.measureAll("fabric"))
-			history.numbers.insert(history.numbers.end(), row.begin(), row.end());
-		history.numbers.push_back(store.measure(std::size_t(turn / 10 % samples), "coordinationNumber")[0]);
-	}
-	ByteWriter writer;
-	store.save(writer);
-	history.saved  = writer.bytes();
-	history.states = store.distinctStates();
-	if (store.sharing()) history.sharing = *store.sharing();
-	return history;
-}
-
-} // namespace
-
-TEST(Ranks, SamplesThatAreSharedOutAndMovedHaveTheBitsOfOneRank)
-{
-	const History one = follow(*packedStore(), 70);
-	for (const int ranks : { 2, 3 }) {
-		auto all = std::vector<History>(std::size_t(ranks));
-		asRanks(ranks, [&](const std::shared_ptr<Communicator>& communicator) {
-			DistributedStore<3> store(packedStore(), communicator);
-			all[std::size_t(communicator->rank())] = follow(store, 70);
-		});
-		std::uint64_t owned = 0;
-		for (const auto& history : all) {
-			EXPECT_EQ(history.numbers.size(), one.numbers.size());
-			EXPECT_EQ(std::memcmp(history.numbers.data(), one.numbers.data(), one.numbers.size() * sizeof(double)), 0);
-			EXPECT_TRUE(history.saved == one.saved);
-			EXPECT_EQ(history.states, one.states);
-			owned += history.sharing.samples;
-		}
-		std::printf(
-		        "%d ranks: %zu numbers and %zu bytes of samples as on one; %llu states moved, balance %.2f\n", ranks, one.numbers.size(),
-		        one.saved.size(), static_cast<unsigned long long>(all[0].sharing.moved), all[0].sharing.balance);
-		EXPECT_EQ(owned, std::uint64_t(samples));
-		EXPECT_GT(all[0].sharing.moved, 0u);
-		EXPECT_EQ(one.states, std::size_t(samples - 1));
-	}
-}
-
-TEST(Ranks, SamplesSavedByOneNumberOfRanksGoOnWithAnother)
-{
-	PackedUpdateOptions options;
-	const History       one  = follow(*packedStore(), 20);
-	const auto          goOn = [&](SampleStoreOf<3>& store) {
-                for (int s = 0; s < samples; ++s)
-                        store.add(0, 0.3, options);
-                ByteReader reader(one.saved);
-                store.restore(reader);
-                for (int turn = 20; turn < 30; ++turn)
-                        store.update(requestsOf(turn), options, 1);
-                ByteWriter writer;
-                store.save(writer);
-                return writer.bytes();
-	};
-	const std::string alone = goOn(*packedStore());
-	for (const int ranks : { 2, 3 })
-		asRanks(ranks, [&](const std::shared_ptr<Communicator>& communicator) {
-			DistributedStore<3> store(packedStore(), communicator);
-			EXPECT_TRUE(goOn(store) == alone);
-		});
-	std::printf("%zu bytes after ten more updates\n", alone.size());
-	EXPECT_NE(alone, one.saved);
-}
-
-namespace {
 
 /// Updates of the samples of one rank whose points go from rank to rank every seventh turn; on one rank, of all.
 struct InSlabs {
@@ -192,10 +104,12 @@ std::string writtenBy(const SampleStore& store, const std::string& path)
 	return sum.checksum(begun.checksum(), end - 5) == whole.checksum() ? bytes : "";
 }
 
+/// How the states are shared, and what they are.
 std::string savedBy(const SampleStore& store)
 {
 	ByteWriter writer;
-	store.save(writer);
+	store.layout().save(writer);
+	writer.block(store.states());
 	return writer.bytes();
 }
 
@@ -231,14 +145,21 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 			SlabStore<3> resumed(packedStore(), communicator); // by each rank what is its own
 			ofSlabs.prepare(resumed);
 			resumed.own(ofSlabs.owners(60 / 7));
-			ByteReader reader(half);
-			resumed.restore(reader);
+			ByteReader        reader(half);
+			const auto        layout = SampleStore::Layout::from(reader);
+			const std::string states = reader.block();
+			resumed.restore(layout, [&](std::uint64_t at, std::uint64_t length) { return states.substr(at, length); });
 			std::vector<double> again, fromFile;
 			ofSlabs.follow(resumed, 60, 80, again);
 			SlabStore<3> read(packedStore(), communicator);
 			ofSlabs.prepare(read);
 			read.own(ofSlabs.owners(60 / 7));
-			read.restore(store60, PartedFile(ofRanks, PartedFile::For::reading), 8);
+			const PartedFile written(ofRanks, PartedFile::For::reading);
+			read.restore(store60, [&](std::uint64_t at, std::uint64_t length) {
+				std::string state(length, '\0');
+				written.read(&state[0], length, 8 + at);
+				return state;
+			});
 			ofSlabs.follow(read, 60, 80, fromFile);
 			const auto rank = std::size_t(communicator->rank());
 			same[rank]      = halfSame + 2 * wholeSame + 4 * (numbers == wanted) + 8 * (later == wantedLater) + 16 * (again == wantedLater)
@@ -320,17 +241,18 @@ TEST(Ranks, ARankMayAskWhileTheOthersGoOn)
 {
 	int answered = 0;
 	asRanks(3, [&](const std::shared_ptr<Communicator>& communicator) {
-		PackedUpdateOptions options;
-		DistributedStore<3> store(packedStore(), communicator);
-		for (int s = 0; s < samples; ++s)
-			store.add(0, 0.3, options);
+		const InSlabs       ofSlabs(communicator);
+		SlabStore<3>        store(packedStore(), communicator);
+		std::vector<double> numbers;
+		ofSlabs.prepare(store);
 		for (int turn = 0; turn < 6; ++turn) {
-			store.update(requestsOf(4 * turn), options, 1);
-			if (communicator->rank() != turn % 3) continue;
-			const auto rows = store.measureAll("bondsIntact");
-			if (communicator->rank() == 0) answered += rows.size() == samples && rows[8] == store.measure(8, "bondsIntact");
+			ofSlabs.follow(store, turn, turn + 1, numbers);
+			if (communicator->rank() == turn % 3) {
+				const auto rows = store.measureAll("bondsIntact");
+				if (communicator->rank() == 0) answered += rows.size() == samples && rows[8] == store.measure(8, "bondsIntact");
+			}
+			communicator->meet("turn");
 		}
-		communicator->meet("the end");
 	});
 	std::printf("rank 0 asked twice and was answered %d times while the others were on their way\n", answered);
 	EXPECT_EQ(answered, 2);
@@ -358,50 +280,4 @@ TEST(Ranks, ARankWithAnotherGroundAndOneAtAnotherPlaceAreNamedOnAllRanks)
 	EXPECT_NE(said[0].find("rank 2"), std::string::npos);
 	EXPECT_EQ(said[0].find("rank 1"), std::string::npos);
 	EXPECT_NE(said[3].find("rank 1 at 'the end'"), std::string::npos);
-}
-
-TEST(Ranks, AnUpdateThatFailsOnOneRankFailsOnAllWithTheSameSentence)
-{
-	std::vector<std::string> said(3);
-	asRanks(3, [&](const std::shared_ptr<Communicator>& communicator) {
-		PackedUpdateOptions options;
-		DistributedStore<3> store(packedStore(), communicator);
-		for (int s = 0; s < samples; ++s)
-			store.add(0, 0.3, options);
-		auto requests             = requestsOf(0);
-		requests[4].iceSaturation = 2;
-		try {
-			store.update(requests, options, 1);
-		} catch (const std::runtime_error& problem) {
-			said[std::size_t(communicator->rank())] = problem.what();
-		}
-	});
-	std::printf("%s\n", said[0].c_str());
-	EXPECT_NE(said[0].find("ice saturation 2"), std::string::npos);
-	EXPECT_EQ(said[1], said[0]);
-	EXPECT_EQ(said[2], said[0]);
-}
-
-TEST(Ranks, ADealEvensTheCostAndMovesAsLittleAsItMay)
-{
-	std::vector<double> cost;
-	std::vector<int>    owner;
-	for (int k = 0; k < 400; ++k) {
-		cost.push_back(1 + (k * 37 % 101) / 10.);
-		owner.push_back(k % 8 < 5 ? 0 : k % 8 - 4);
-	}
-	const auto          next = rebalanced(cost, owner, 4);
-	std::vector<double> load(4, 0.), before(4, 0.);
-	double              moved = 0;
-	for (std::size_t k = 0; k < cost.size(); ++k) {
-		load[std::size_t(next[k])] += cost[k];
-		before[std::size_t(owner[k])] += cost[k];
-		if (next[k] != owner[k]) moved += cost[k];
-	}
-	const double mean = std::accumulate(load.begin(), load.end(), 0.) / 4, excess = before[0] - mean;
-	const double largest = *std::max_element(load.begin(), load.end()) / mean;
-	std::printf("largest over mean cost: %.3f before, %.3f after; %.2f of the excess was moved\n", before[0] / mean, largest, moved / excess);
-	EXPECT_LE(largest, 1.02);
-	EXPECT_LE(moved, 1.05 * excess);
-	EXPECT_EQ(rebalanced(cost, next, 4), next);
 }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double day = 86400.0, porosity = 0.4;
 
-enum class Wall { onNodes, freeSurface };
+enum class HeatOfWall { onNodes, freeSurface };
 
 struct FrontScene {
 	std::string       name;
@@ -23,7 +23,7 @@ struct FrontScene {
 	FreezingCurvePtr  curve;
 	EnthalpyForm      form         = EnthalpyForm::capacityIntegral;
 	LatentDensity     density      = LatentDensity::ice;
-	Wall              wall         = Wall::onNodes;
+	HeatOfWall        wall         = HeatOfWall::onNodes;
 	double            spacing      = 0.05;
 	double            offset       = 0.0; ///< of the free surface above a node [h]
 	double            depth        = 1.5; ///< of the ground [m]
@@ -44,7 +44,7 @@ FrontResult marchFront(const FrontScene& scene, const std::vector<double>& insta
 {
 	const double h   = scene.spacing;
 	const double top = scene.depth + scene.offset * h;
-	auto         s   = columnSettings(h, std::ceil(top / h - 1e-9) * h + (scene.wall == Wall::freeSurface ? 2 * h : 0.0));
+	auto         s   = columnSettings(h, std::ceil(top / h - 1e-9) * h + (scene.wall == HeatOfWall::freeSurface ? 2 * h : 0.0));
 	s.mixture        = scene.mixture;
 	s.shapeFunction  = scene.shape;
 	s.heatFraction   = scene.heatFraction;
@@ -52,7 +52,7 @@ FrontResult marchFront(const FrontScene& scene, const std::vector<double>& insta
 	s.heat->enthalpyForm  = scene.form;
 	s.heat->latentDensity = scene.density;
 	s.freezing            = scene.curve;
-	if (scene.wall == Wall::onNodes) addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), scene.surface);
+	if (scene.wall == HeatOfWall::onNodes) addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), scene.surface);
 	else addBoundary<SurfaceTemperature<2>>(s, Region<2>::freeSurface().within({ -1.0, 0.5 * top }, { 1.0, 2.0 * top }), scene.surface);
 	Ground<2> ground(s);
 	fillBox(ground, { 0.0, top - scene.depth }, { h, top }, [&](PointInput<2>& p) {
@@ -75,7 +75,7 @@ FrontResult marchFront(const FrontScene& scene, const std::vector<double>& insta
 	result.closure     = (balance.enthalpy - heatBefore - balance.heatIn) / std::abs(balance.heatIn);
 	result.temperature = valuesOf(ground, "temperature");
 	for (const double y : valuesOf(ground, "position", 1))
-		result.depth.push_back(scene.wall == Wall::onNodes ? y : top - y);
+		result.depth.push_back(scene.wall == HeatOfWall::onNodes ? y : top - y);
 	return result;
 }
 
@@ -174,14 +174,14 @@ TEST(MovingFront, NeumannReferenceGivesThePublishedFrontOfThePapersSoil)
 namespace {
 
 /// One corner of V02: which way, from what boundary, which curve and which density of the latent heat.
-FrontScene cornerOfV02(bool thaws, Wall wall, bool sharp, LatentDensity density)
+FrontScene cornerOfV02(bool thaws, HeatOfWall wall, bool sharp, LatentDensity density)
 {
-	FrontScene s { std::string("V02 ") + (thaws ? "thaw -5/+10, " : "freezing +5/-5, ") + (wall == Wall::onNodes ? "wall: " : "free surface: ")
+	FrontScene s { std::string("V02 ") + (thaws ? "thaw -5/+10, " : "freezing +5/-5, ") + (wall == HeatOfWall::onNodes ? "wall: " : "free surface: ")
 		               + (sharp ? "sharp, rho_" : "smooth, rho_") + (density == LatentDensity::ice ? "i" : "l"),
 		       thaws ? 10.0 : -5.0, thaws ? -5.0 : 5.0, sharp ? sharpCurve() : makeFreezingCurve("gauss", {}) };
 	s.density = density;
 	s.wall    = wall;
-	s.offset  = wall == Wall::onNodes ? 0.0 : 0.5;
+	s.offset  = wall == HeatOfWall::onNodes ? 0.0 : 0.5;
 	s.depth   = sharp ? 2.0 : 2.5;
 	return s;
 }
@@ -200,14 +200,14 @@ void expectNeumann(LatentDensity density)
 	Drawing drawing(density == LatentDensity::ice ? "neumann_front" : "neumann_front_liquid", "V02 front, wall, h = 0.05 m", "time [d]", "front depth [m]");
 	for (const bool sharp : { true, false })
 		for (const bool thaws : { true, false })
-			for (const auto wall : { Wall::onNodes, Wall::freeSurface }) {
+			for (const auto wall : { HeatOfWall::onNodes, HeatOfWall::freeSurface }) {
 				citing(sharp ? neumannSource : similaritySource);
 				const FrontScene s          = cornerOfV02(thaws, wall, sharp, density);
-				const bool       inSpacings = !thaws || wall == Wall::freeSurface;
-				const double     tolerance  = !inSpacings ? 1e-2 : wall == Wall::onNodes ? 0.25 : 0.4;
+				const bool       inSpacings = !thaws || wall == HeatOfWall::freeSurface;
+				const double     tolerance  = !inSpacings ? 1e-2 : wall == HeatOfWall::onNodes ? 0.25 : 0.4;
 				const double     exact      = exactFront(s);
 				const auto       result     = expectFront(s, exact, 10.0, tolerance, inSpacings);
-				if (wall == Wall::onNodes)
+				if (wall == HeatOfWall::onNodes)
 					drawFront(drawing, std::string(thaws ? "thaw, " : "freezing, ") + (sharp ? "sharp" : "gauss"), result, exact, 10.0);
 			}
 }
@@ -272,7 +272,7 @@ TEST(MovingFront, AScaleOfTheCalendarThatChangesAThousandfoldOnTheWayLeavesTheFr
 	const double days = 10.0;
 	for (const bool sharp : { true, false })
 		for (const bool thaws : { true, false }) {
-			FrontScene   s     = cornerOfV02(thaws, Wall::onNodes, sharp, LatentDensity::ice);
+			FrontScene   s     = cornerOfV02(thaws, HeatOfWall::onNodes, sharp, LatentDensity::ice);
 			const double exact = exactFront(s) * std::sqrt(days * day);
 			const auto   front = [&](bool changes) {
                                 auto settings    = columnSettings(s.spacing, s.depth);
@@ -315,7 +315,7 @@ TEST(MovingFront, ThawAndFreezingWithGimpFollowNeumannWithinATenthOfASpacing)
 {
 	citing(neumannSource);
 	for (const bool thaws : { true, false }) {
-		FrontScene s = cornerOfV02(thaws, Wall::onNodes, true, LatentDensity::ice);
+		FrontScene s = cornerOfV02(thaws, HeatOfWall::onNodes, true, LatentDensity::ice);
 		s.name       = std::string("V02 ") + (thaws ? "thaw -5/+10" : "freezing +5/-5") + ", wall, gimp: sharp, rho_i";
 		s.shape      = "gimp";
 		expectFront(s, neumann(s), 10.0, 0.1, true);
@@ -362,7 +362,7 @@ TEST(MovingFront, TemperatureProfileBehindAndAheadOfASmoothFrontFollowsTheSimila
 	const double days = 10.0;
 	Drawing      drawing("front_profile", "V02 temperature after 10 d, gauss curve, h = 0.05 m", "depth [m]", "temperature [degC]");
 	for (const bool thaws : { true, false }) {
-		const FrontScene s      = cornerOfV02(thaws, Wall::onNodes, false, LatentDensity::ice);
+		const FrontScene s      = cornerOfV02(thaws, HeatOfWall::onNodes, false, LatentDensity::ice);
 		const auto       exact  = similarity(s);
 		const auto       result = marchFront(s, { days * day });
 		drawProfile(drawing, thaws ? "thaw" : "freezing", result, exact, days, 1.0);
@@ -380,7 +380,7 @@ TEST(MovingFront, ThawFromAFreeSurfaceBetweenNodesFollowsNeumannWithinFourTenths
 	citing(neumannSource);
 	for (const double offset : { 0.0, 0.25, 0.5, 0.75 }) {
 		FrontScene s { "V02 thaw -5/+10, free surface: " + std::to_string(offset).substr(0, 4) + " h above a node", 10.0, -5.0, sharpCurve() };
-		s.wall   = Wall::freeSurface;
+		s.wall   = HeatOfWall::freeSurface;
 		s.offset = offset;
 		expectFront(s, neumann(s), 10.0, 0.4, true);
 	}
@@ -391,7 +391,7 @@ TEST(MovingFront, FreezingFromAFreeSurfaceBetweenNodesFollowsNeumannWithinFourTe
 	citing(neumannSource);
 	for (const double offset : { 0.0, 0.25, 0.5, 0.75 }) {
 		FrontScene s { "V02 freezing +5/-5, free surface: " + std::to_string(offset).substr(0, 4) + " h above a node", -5.0, 5.0, sharpCurve() };
-		s.wall   = Wall::freeSurface;
+		s.wall   = HeatOfWall::freeSurface;
 		s.offset = offset;
 		s.depth  = 2.0;
 		expectFront(s, neumann(s), 10.0, 0.4, true);

@@ -45,46 +45,9 @@ def packed(steps=60):
 	return mpm
 
 
-def resting():
-	"""Samples that agree bit for bit share their states; some are asked and others not."""
-	mpm = ground()
-	mpm.gravity = (0, 0)
-	mpm.skeleton.strainTolerance = 1e-4
-	run(20)
-	return mpm
-
-
-def uneven():
-	"""Every second sample is ten times as large: the first deal, by number, has to be mended."""
-	mpm = ground(strainTolerance=0)
-	large = rve.pack(rve.prepare(grains=100, cache=cache))
-	mpm.skeleton.samples = [samples()[0], large]
-	mpm.skeleton.sampleOf = [k % 2 for k in range(mpm.pointCount)]
-	run(70)
-	return mpm
-
-
-def thawed():
-	"""The upper half thaws at once and freezes again."""
-	mpm = ground()
-	run(10)
-	mpm.setTemperature(np.where(mpm.field("position")[:, 1] > 0.5, 1.0, -1.0))
-	run(15)
-	mpm.setTemperature(-2)
-	run(10)
-	return mpm
-
-
 def creeping():
 	"""Ice that is stronger the faster and the colder it is, and creeps; asked at the latest after an interval of the calendar."""
-	mpm = ground(iceStrength=wrapper.IceStrength(), iceCreep=wrapper.IceCreep(rateFactor=1e-21), creepInterval=300, strainTolerance=1e-4)
-	run(40)
-	return mpm
-
-
-def tolerance():
-	mpm = ground()
-	mpm.tolerance = 0.03
+	mpm = sampledBands(iceStrength=wrapper.IceStrength(), iceCreep=wrapper.IceCreep(rateFactor=1e-21), creepInterval=300, strainTolerance=1e-4)
 	run(40)
 	return mpm
 
@@ -97,32 +60,6 @@ def bodies():
 	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(damping=0, gravity=(0, -9.81, 0))]
 	run(40)
 	return mpm
-
-
-def byHand():
-	"""Samples looked at, watched, replaced and changed in a view, skeletons exchanged."""
-	mpm = ground()
-	mpm.watch([0, 7], fields=["bondsBroken", "fabric", "stress"])
-	run(15)
-	mpm.skeleton.replaceSample(3, mpm.skeleton.sample(9))
-	with mpm.inspect(5, live=True):
-		O.bodies[3].state.vel = (1e-3, 0, 0)
-	run(10)
-	soft = wrapper.ElasticSkeleton(young=5e6, poisson=0.2)
-	mpm.exchangeSkeletons([mpm.skeleton, soft], [int(k % 5 == 0) for k in range(mpm.pointCount)])
-	run(10)
-	return mpm
-
-
-def openSamples():
-	mpm = ground(form="open", spacing=1.0)
-	run(5)
-	return mpm
-
-
-def blowUp():
-	"""One sample has a time step far beyond its critical one; the run stops, and goes on without that point."""
-	return blownUp(ground(blowUpFolder=str(folder / "blown")), "blowUp", point=6, stepsAfter=10)
 
 
 def blownUp(mpm, name, point, stepsAfter):
@@ -141,20 +78,11 @@ def blownUp(mpm, name, point, stepsAfter):
 	return mpm
 
 
-def checkpoint():
-	"""Written in mid-run; the run goes on."""
-	return writtenInMidRun(ground(), 25, "ground.checkpoint")
-
-
 def writtenInMidRun(mpm, steps, name):
 	run(steps)
 	O.tags["id"], O.tags["isoTime"], O.tags["d.id"], O.tags["id.d"] = 4 * ["same"]
 	talik.checkpoint.write(folder / name)
 	return goOn(mpm)
-
-
-def resumed():
-	return goOn(talik.resume(folder / "ground.checkpoint"))
 
 
 def goOn(mpm):
@@ -164,7 +92,7 @@ def goOn(mpm):
 
 def stared():
 	"""The first rank alone looks at the ground in every step, and the others do not wait for it."""
-	mpm = ground()
+	mpm = sampledBands()
 	seen = []
 
 	def look():
@@ -182,7 +110,7 @@ def stared():
 
 def asked():
 	"""Ranks take turns in looking, each alone, at fields, histories, extremes and samples that others own; what they saw is the result."""
-	mpm = ground()
+	mpm = sampledBands()
 	mpm.watch([0, 7], fields=["bondsBroken", "fabric"])
 	for turn in range(6):
 		run(10)
@@ -217,15 +145,6 @@ def seenBefore(mpm, points):
 	mpm.setTemperature(-3)
 	run(5)
 	return mpm
-
-
-def replaced():
-	return seenBefore(ground(), (2, 3, 4, 5))
-
-
-def heated():
-	"""The same of temperatures alone."""
-	return seenBefore(ground(), ())
 
 
 def bandsReplaced():

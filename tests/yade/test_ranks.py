@@ -72,8 +72,8 @@ class Job:
 		return [(self.folder / f"{name}.{rank}.txt").read_text() for rank in range(self.ranks)]
 
 	def told(self, what):
-		"""How often the job said that its ranks share something out."""
-		return self.complained.count(f"Talik: {self.ranks} ranks share out the {what} of this ground (MpmEngine.distribute).")
+		"""How often the job said what its ranks do."""
+		return self.complained.count(f"Talik: {self.ranks} ranks {what}")
 
 
 def played(folder, cache, names, ranks, threads=1):
@@ -100,12 +100,12 @@ def size(states):
 	return sum(values.size for state in states.values() for values in state.values())
 
 
-quick = ["packed", "uneven", "resting", "thawed", "creeping", "tolerance", "bodies", "byHand", "blowUp", "checkpoint", "stared", "asked"]
-quick += ["replaced", "heated"]
+small = ["packed", "bodies"]  # too small for slabs: all ranks compute all of it
 inBands = ["bands", "bandsInSpace", "bandsOfBodies", "bandsOfIceRichGround", "bandsCheckpoint", "bandsLeft", "bandsReplaced", "bandsHeated"]
 inBands += ["bandsOfScripts", "bandsShaken", "bandsLawFails", "bandsThrough", "bandsUnderRoom"]
+lookedAt = ["creeping", "stared", "asked"]
 samplesInBands = ["bandsOfSamples", "bandsToTolerance", "bandsExchanged", "bandsBlowUp", "bandsOfSamplesCheckpoint"]
-everything = [*quick, *inBands, *samplesInBands]
+everything = [*small, *lookedAt, *inBands, *samplesInBands]
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -271,7 +271,8 @@ def test_ctrl_c_ends_the_job_slow(tmp_path, sampleCache):
 	ids=["another setting_slow", "another number of steps"],
 )
 def test_ranks_whose_scripts_differ_are_refused_by_name(how, part, tmp_path, sampleCache):
-	process = endlessRun(tmp_path, sampleCache, after=how)
+	inSlabs = "mpm.upper = (7, 2)" if "O.run(1 " in how else ""  # ranks of slabs meet in every step, others every hundred
+	process = endlessRun(tmp_path, sampleCache, before=inSlabs, after=how)
 	status, said, complained = ended(process, timeout=60)
 	sentence = next((line for line in complained.splitlines() if part in line), "nothing")
 	print(sentence)
@@ -392,9 +393,9 @@ def test_what_bands_do_not_serve_is_refused_with_the_remedy(tmp_path):
 	(tmp_path / "scene.py").write_text(refusing)
 	_, said, complained = ended(started(command(2, tmp_path / "scene.py")))
 	print(said, complained)
-	assert "this ground has samples that run open, which slab decomposition does not support: choose samples or none" in said
+	assert "this ground has samples that run open, which slab decomposition does not support: choose automatic or none" in said
 	assert "PythonBoundary gives other values on rank 1 than on rank 0: let its function follow from its argument alone" in said
-	assert "choose automatic, samples, ground or none" in said
+	assert "choose automatic, ground (with the samples of its points) or none" in said
 
 
 @pytest.mark.parametrize("rounds", [[0, 1], pytest.param([2, 3, 4], id="of bodies, of ice, of a script_slow")])
@@ -524,10 +525,8 @@ def checkKeptSample(alone, other, file):
 
 
 def checkSamples(alone, other):
-	assert checkBits(alone, other, quick, "samples")
-	checkStop(alone, other, "blowUp", "point 6 blew up")
-	checkKeptSample(alone, other, "blown/point6.yade")
-	checkFile(alone, other, "ground.checkpoint")
+	checkBits(alone, other, small, "ground that every rank computes")
+	checkBits(alone, other, lookedAt, "samples that are looked at")
 
 
 def checkBands(alone, other):
@@ -552,18 +551,12 @@ def test_two_ranks_have_the_bits_of_one_in_every_field_sample_and_history(alone,
 	assert len(job.findall(pair.said)) == len(everything)
 
 
-def test_samples_move_between_ranks_and_no_rank_owns_all(pair):
-	moved = {name: (int(states), float(balance)) for name, states, balance, _ in job.findall(pair.said) if name in quick}
-	print(f"states moved and balance by scene: {moved}")
-	assert moved["uneven"][0] > 0
-	assert all(0.5 <= balance <= 1 for _, balance in moved.values())
-
-
 def test_one_rank_speaks_and_says_how_the_work_is_shared(pair):
 	again = everything.count("bandsLawFails")  # that scene has two grounds
 	print([line for line in pair.complained.splitlines() if line.startswith("Talik:")])
 	assert [match[0] for match in job.findall(pair.said)] == everything
-	assert (pair.told("samples"), pair.told("strips")) == (len(quick), len(inBands) + again + len(samplesInBands))
+	shared = len(lookedAt) + len(inBands) + again + len(samplesInBands)
+	assert (pair.told("each compute all of this ground"), pair.told("share out the strips of this ground")) == (len(small), shared)
 
 
 def test_a_ground_in_bands_has_the_bits_of_one_rank_and_its_errors_and_checkpoints(alone, pair):
@@ -574,8 +567,8 @@ def test_samples_in_bands_go_with_their_points_and_have_the_bits_of_one_rank(alo
 	checkSamplesOfBands(alone, pair)
 
 
-resumed = {"resumed": "checkpoint", "bandsResumed": "bandsCheckpoint", "bandsOfSamplesResumed": "bandsOfSamplesCheckpoint", "bandsKeptResumed": "bandsThrough"}
-files = ["ground.checkpoint", "bands.checkpoint", "samplesOfBands.checkpoint", "kept.checkpoint"]
+resumed = {"bandsResumed": "bandsCheckpoint", "bandsOfSamplesResumed": "bandsOfSamplesCheckpoint", "bandsKeptResumed": "bandsThrough"}
+files = ["bands.checkpoint", "samplesOfBands.checkpoint", "kept.checkpoint"]
 
 
 def checkResumed(alone, cache, folder, written, ranks):
@@ -631,13 +624,6 @@ def test_several_ranks_go_on_with_the_checkpoints_of_one_slow(alone, pair, sampl
 	shutil.copy(pair.folder / "kept.checkpoint", alone.folder)
 	for ranks in (2, 3):
 		checkResumed(alone, sampleCache, tmp_path / str(ranks), alone.folder, ranks)
-
-
-def test_open_samples_stay_with_their_rank_and_have_the_same_bits_slow(sampleCache, tmp_path):
-	alone, together = (played(tmp_path / str(ranks), sampleCache, ["openSamples"], ranks).states for ranks in (1, 3))
-	count = differing(alone, together)
-	print(f"ranks: open samples, 3 against 1, {size(alone)} numbers | {count} | 0 | {count} | 0 | exact")
-	assert count == 0
 
 
 def test_samples_of_spheres_in_bands_have_the_bits_of_one_rank_slow(sampleCache, tmp_path):

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/boundary/Boundaries.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <cmath>
 
@@ -12,24 +12,17 @@ template <int D> void PeriodicBoundary<D>::validate(const Grid<D>& grid) const
 	Boundary<D>::validate(grid);
 }
 
-template class PeriodicBoundary<2>;
-template class PeriodicBoundary<3>;
-
 // ---- mechanical ------------------------------------------------------------------------------------------------------------
 
-template <int D> void FixedBoundary<D>::validate(const Grid<D>& grid) const
-{
-	this->requireRegion(this->region_.kind != Region<D>::Kind::freeSurface, "must be a side of the box or a box of nodes");
-	Boundary<D>::validate(grid);
-}
-
-template <int D> void FixedBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
+template <int D> void Wall<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
 {
 	const int inward = this->inward(grid);
 	Vec<D>    sign;
-	sign.fill(-1.0);
+	for (int a = 0; a < D; ++a)
+		sign[a] = holds(a) ? -1.0 : 1.0;
 	for (int node : wallNodes(grid, this->region_)) {
 		for (int a = 0; a < D; ++a) {
+			if (!holds(a)) continue;
 			constraints.fixSolid(node, a);
 			constraints.tieLiquid(node, a);
 		}
@@ -37,8 +30,11 @@ template <int D> void FixedBoundary<D>::constrainMotion(const Grid<D>& grid, Mot
 	}
 }
 
-template class FixedBoundary<2>;
-template class FixedBoundary<3>;
+template <int D> void FixedBoundary<D>::validate(const Grid<D>& grid) const
+{
+	this->requireRegion(this->region_.kind != Region<D>::Kind::freeSurface, "must be a side of the box or a box of nodes");
+	Boundary<D>::validate(grid);
+}
 
 template <int D> void RollerBoundary<D>::validate(const Grid<D>& grid) const
 {
@@ -46,25 +42,9 @@ template <int D> void RollerBoundary<D>::validate(const Grid<D>& grid) const
 	Boundary<D>::validate(grid);
 }
 
-template <int D> void RollerBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
-{
-	const int axis = this->region_.on.axis, inward = this->inward(grid);
-	Vec<D>    sign;
-	sign.fill(1.0);
-	sign[axis] = -1.0;
-	for (int node : wallNodes(grid, this->region_)) {
-		constraints.fixSolid(node, axis);
-		constraints.tieLiquid(node, axis);
-		constraints.mirror(node - inward, node + inward, sign);
-	}
-}
-
-template class RollerBoundary<2>;
-template class RollerBoundary<3>;
-
 template <int D>
 MovingBoundary<D>::MovingBoundary(const Region<D>& region, const TimeTable& speed, const Vec<D>& direction, bool rough, double ahead)
-        : Boundary<D>(region, "MovingBoundary", "motion")
+        : Wall<D>(region, "MovingBoundary")
         , speed_(speed)
         , direction_(direction)
         , rough_(rough)
@@ -115,25 +95,6 @@ template <int D> Vec<D> MovingBoundary<D>::velocity(double time) const
 	return v;
 }
 
-template <int D> void MovingBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
-{
-	const int inward = this->inward(grid);
-	Vec<D>    sign;
-	for (int a = 0; a < D; ++a)
-		sign[a] = holds(a) ? -1.0 : 1.0;
-	for (int node : wallNodes(grid, this->region_)) {
-		for (int a = 0; a < D; ++a) {
-			if (!holds(a)) continue;
-			constraints.fixSolid(node, a);
-			constraints.tieLiquid(node, a);
-		}
-		if (this->onSide()) constraints.mirror(node - inward, node + inward, sign);
-	}
-}
-
-template class MovingBoundary<2>;
-template class MovingBoundary<3>;
-
 template <int D> void Traction<D>::validate(const Grid<D>& grid) const
 {
 	pressure_.validate("SurfaceLoad.pressure");
@@ -157,25 +118,19 @@ template <int D> Vec<D> Traction<D>::traction(double time, const Vec<D>& normal)
 	return t;
 }
 
-template class Traction<2>;
-template class Traction<3>;
-
 // ---- hydraulic -------------------------------------------------------------------------------------------------------------
 
-template <int D> void DrainedBoundary<D>::validate(const Grid<D>& grid) const
+template <int D> void WaterCrossing<D>::validate(const Grid<D>& grid) const
 {
 	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be a side of the box or the free surface");
-	pressure_.validate("DrainedBoundary.pressure");
+	table_.validate(what_);
 	Boundary<D>::validate(grid);
 }
 
-template <int D> void DrainedBoundary<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
+template <int D> void WaterCrossing<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
 {
 	if (this->onSide()) constraints.releaseLiquid(grid, this->region_);
 }
-
-template class DrainedBoundary<2>;
-template class DrainedBoundary<3>;
 
 template <int D> void ImpermeableBoundary<D>::validate(const Grid<D>& grid) const
 {
@@ -192,26 +147,13 @@ template <int D> void ImpermeableBoundary<D>::constrainMotion(const Grid<D>& gri
 	}
 }
 
-template class ImpermeableBoundary<2>;
-template class ImpermeableBoundary<3>;
-
 template <int D> void WaterFlux<D>::validate(const Grid<D>& grid) const
 {
-	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be a side of the box or the free surface");
-	flux_.validate("WaterFlux.flux");
+	WaterCrossing<D>::validate(grid);
 	requireSetting(
 	        std::isnan(temperature_) || (temperature_ >= 0.0 && temperature_ < 100.0), "WaterFlux.temperature", temperature_,
 	        "must lie between 0 and 100 degC; leave it out for water as warm as the ground where it enters");
-	Boundary<D>::validate(grid);
 }
-
-template <int D> void WaterFlux<D>::constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const
-{
-	if (this->onSide()) constraints.releaseLiquid(grid, this->region_);
-}
-
-template class WaterFlux<2>;
-template class WaterFlux<3>;
 
 // ---- thermal ---------------------------------------------------------------------------------------------------------------
 
@@ -224,9 +166,6 @@ template <int D> SurfaceHeat HeatExchange<D>::heat(double time) const
 	return h;
 }
 
-template class HeatExchange<2>;
-template class HeatExchange<3>;
-
 template <int D> void SurfaceTemperature<D>::validate(const Grid<D>& grid) const
 {
 	this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be the free surface or a side of the box; use WallTemperature for nodes");
@@ -237,9 +176,6 @@ template <int D> void SurfaceTemperature<D>::validate(const Grid<D>& grid) const
 	Boundary<D>::validate(grid);
 }
 
-template class SurfaceTemperature<2>;
-template class SurfaceTemperature<3>;
-
 template <int D> void WallTemperature<D>::validate(const Grid<D>& grid) const
 {
 	this->requireRegion(
@@ -247,9 +183,6 @@ template <int D> void WallTemperature<D>::validate(const Grid<D>& grid) const
 	this->requireTemperatures(temperature_);
 	Boundary<D>::validate(grid);
 }
-
-template class WallTemperature<2>;
-template class WallTemperature<3>;
 
 template <int D> void BodyTemperature<D>::validate(const Grid<D>& grid) const
 {
@@ -263,9 +196,6 @@ template <int D> void BodyTemperature<D>::validate(const Grid<D>& grid) const
 	        "must not be negative, in m^2 K/W; 0: none; a body that no heat enters needs no BodyTemperature");
 	Boundary<D>::validate(grid);
 }
-
-template class BodyTemperature<2>;
-template class BodyTemperature<3>;
 
 template <int D> void HeatFlux<D>::validate(const Grid<D>& grid) const
 {
@@ -281,9 +211,6 @@ template <int D> SurfaceHeat HeatFlux<D>::heat(double time) const
 	return h;
 }
 
-template class HeatFlux<2>;
-template class HeatFlux<3>;
-
 template <int D> void HeatSource<D>::validate(const Grid<D>& grid) const
 {
 	this->requireRegion(!nodeShares(grid, this->region_).empty(), "must be a box or disc with room in it that reaches the grid");
@@ -291,10 +218,19 @@ template <int D> void HeatSource<D>::validate(const Grid<D>& grid) const
 	Boundary<D>::validate(grid);
 }
 
-template class HeatSource<2>;
-template class HeatSource<3>;
-
-template class InsulatedBoundary<2>;
-template class InsulatedBoundary<3>;
+TALIK_IN_PLANE_AND_SPACE(PeriodicBoundary);
+TALIK_IN_PLANE_AND_SPACE(FixedBoundary);
+TALIK_IN_PLANE_AND_SPACE(RollerBoundary);
+TALIK_IN_PLANE_AND_SPACE(MovingBoundary);
+TALIK_IN_PLANE_AND_SPACE(Traction);
+TALIK_IN_PLANE_AND_SPACE(DrainedBoundary);
+TALIK_IN_PLANE_AND_SPACE(ImpermeableBoundary);
+TALIK_IN_PLANE_AND_SPACE(WaterFlux);
+TALIK_IN_PLANE_AND_SPACE(SurfaceTemperature);
+TALIK_IN_PLANE_AND_SPACE(WallTemperature);
+TALIK_IN_PLANE_AND_SPACE(BodyTemperature);
+TALIK_IN_PLANE_AND_SPACE(HeatFlux);
+TALIK_IN_PLANE_AND_SPACE(HeatSource);
+TALIK_IN_PLANE_AND_SPACE(InsulatedBoundary);
 
 } // namespace talik

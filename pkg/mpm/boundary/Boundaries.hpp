@@ -17,42 +17,52 @@ public:
 
 // ---- mechanical ------------------------------------------------------------------------------------------------------------
 
-/// Rough, impermeable wall: v_s = v_l = 0 on a side or on the nodes of a box.
-template <int D> class FixedBoundary final : public Boundary<D> {
+/// Impermeable wall that holds grains and water along some axes.
+template <int D> class Wall : public Boundary<D> {
+public:
+	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+
+protected:
+	Wall(const Region<D>& region, const char* name)
+	        : Boundary<D>(region, name, "motion")
+	{}
+	virtual bool holds(int axis) const = 0;
+};
+
+/// Rough: v_s = v_l = 0 on a side or on the nodes of a box.
+template <int D> class FixedBoundary final : public Wall<D> {
 public:
 	explicit FixedBoundary(const Region<D>& region)
-	        : Boundary<D>(region, "FixedBoundary", "motion")
+	        : Wall<D>(region, "FixedBoundary")
 	{}
 	void validate(const Grid<D>& grid) const override;
-	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+	bool holds(int) const override { return true; }
 };
 
-/// Frictionless, impermeable wall: v_s.n = v_l.n = 0 on a side. The wall is a plane of symmetry: the ghost nodes mirror.
-template <int D> class RollerBoundary final : public Boundary<D> {
+/// Frictionless: v_s.n = v_l.n = 0 on a side. The wall is a plane of symmetry: the ghost nodes mirror.
+template <int D> class RollerBoundary final : public Wall<D> {
 public:
 	explicit RollerBoundary(const Region<D>& region)
-	        : Boundary<D>(region, "RollerBoundary", "motion")
+	        : Wall<D>(region, "RollerBoundary")
 	{}
 	void validate(const Grid<D>& grid) const override;
-	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+	bool holds(int axis) const override { return axis == this->region_.on.axis; }
 };
 
-/// Wall with a prescribed velocity, on a side or on the nodes of a box: v_s = v_l = w, or of a smooth wall the component along w alone. Its
+/// Of prescribed velocity, on a side or on the nodes of a box: v_s = v_l = w, or of a smooth wall the component along w alone. Its
 /// nodes stay where they are, so that its path across them is limited, see MomentumSolver::beginStep().
-template <int D> class MovingBoundary final : public Boundary<D> {
+template <int D> class MovingBoundary final : public Wall<D> {
 public:
 	/// speed [m/s] along direction, of any length; zero direction on a side: into the ground. rough: the ground sticks to it. ahead: how far
 	/// in front of its side the wall stands at the start [m].
 	MovingBoundary(const Region<D>& region, const TimeTable& speed, const Vec<D>& direction, bool rough, double ahead = 0.0);
 	void   validate(const Grid<D>& grid) const override;
-	void   constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
 	bool   moves() const override { return true; }
 	Vec<D> velocity(double time) const override;
 	Vec<D> pathBefore() const override;
+	bool   holds(int axis) const override { return rough_ || direction_[axis] != 0.0; }
 
 private:
-	/// True if the wall prescribes this component.
-	bool      holds(int axis) const { return rough_ || direction_[axis] != 0.0; }
 	TimeTable speed_;
 	Vec<D>    direction_;
 	bool      rough_;
@@ -70,7 +80,6 @@ public:
 	        , traction_(traction)
 	{}
 	void   validate(const Grid<D>& grid) const override;
-	bool   usesSurface() const override { return true; }
 	bool   loads() const override { return true; }
 	Vec<D> traction(double time, const Vec<D>& normal) const override;
 
@@ -81,26 +90,37 @@ private:
 
 // ---- hydraulic -------------------------------------------------------------------------------------------------------------
 
-/// Water crosses a side or the free surface freely against a prescribed pressure. Where no such boundary is, nothing leaves.
-/// On a side with a roller or a fixed wall the solid stays held and the water passes.
-template <int D> class DrainedBoundary final : public Boundary<D> {
+/// Water that crosses a side or the free surface; on a side with a roller or a fixed wall the solid stays held and the water passes.
+template <int D> class WaterCrossing : public Boundary<D> {
+public:
+	void validate(const Grid<D>& grid) const override;
+	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+
+protected:
+	/// what: the attribute that the table is, for messages.
+	WaterCrossing(const Region<D>& region, const char* name, const char* what, const TimeTable& table)
+	        : Boundary<D>(region, name, "water")
+	        , table_(table)
+	        , what_(what)
+	{}
+	TimeTable   table_;
+	const char* what_;
+};
+
+/// Freely against a prescribed pressure. Where no such boundary is, nothing leaves.
+template <int D> class DrainedBoundary final : public WaterCrossing<D> {
 public:
 	/// pressure outside [Pa]; recharge false: water leaves but none comes in.
 	explicit DrainedBoundary(const Region<D>& region, const TimeTable& pressure = 0.0, bool recharge = true)
-	        : Boundary<D>(region, "DrainedBoundary", "water")
-	        , pressure_(pressure)
+	        : WaterCrossing<D>(region, "DrainedBoundary", "DrainedBoundary.pressure", pressure)
 	        , recharge_(recharge)
 	{}
-	void   validate(const Grid<D>& grid) const override;
-	void   constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
-	bool   usesSurface() const override { return true; }
 	bool   drains() const override { return true; }
-	double pressure(double time) const override { return pressure_.at(time); }
+	double pressure(double time) const override { return this->table_.at(time); }
 	bool   recharges() const override { return recharge_; }
 
 private:
-	TimeTable pressure_;
-	bool      recharge_;
+	bool recharge_;
 };
 
 /// Water does not cross: v_l.n = v_s.n on a side whose solid is free to move.
@@ -113,28 +133,23 @@ public:
 	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
 };
 
-/// Water that is fed through a side or the free surface at a prescribed rate (infiltration, a spring, a well), positive into the
-/// ground; negative values draw it out. On a side with a roller or a fixed wall the solid stays held and the water passes. It
-/// arrives with the velocity of the water that is there.
-template <int D> class WaterFlux final : public Boundary<D> {
+/// At a prescribed rate (infiltration, a spring, a well), positive into the ground; negative values draw it out. It arrives with the velocity of the
+/// water that is there.
+template <int D> class WaterFlux final : public WaterCrossing<D> {
 public:
 	/// flux [m^3 of water per m^2 and s], scaled by the hydraulic time scale like the conductivity; temperature [degC] of water
 	/// that enters, NaN (default): that of the ground where it enters.
 	explicit WaterFlux(const Region<D>& region, const TimeTable& flux, double temperature = std::numeric_limits<double>::quiet_NaN())
-	        : Boundary<D>(region, "WaterFlux", "water")
-	        , flux_(flux)
+	        : WaterCrossing<D>(region, "WaterFlux", "WaterFlux.flux", flux)
 	        , temperature_(temperature)
 	{}
 	void   validate(const Grid<D>& grid) const override;
-	void   constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
-	bool   usesSurface() const override { return true; }
 	bool   feeds() const override { return true; }
-	double inflow(double time) const override { return flux_.at(time); }
+	double inflow(double time) const override { return this->table_.at(time); }
 	double inflowTemperature() const override { return temperature_; }
 
 private:
-	TimeTable flux_;
-	double    temperature_;
+	double temperature_;
 };
 
 // ---- thermal ---------------------------------------------------------------------------------------------------------------
@@ -142,7 +157,6 @@ private:
 /// Heat that the surface of the ground exchanges with something of given temperature.
 template <int D> class HeatExchange : public Boundary<D> {
 public:
-	bool        usesSurface() const override { return true; }
 	bool        heats() const override { return true; }
 	SurfaceHeat heat(double time) const override;
 
@@ -178,7 +192,6 @@ public:
 	        , temperature_(temperature)
 	{}
 	void   validate(const Grid<D>& grid) const override;
-	bool   takesVolumes() const override { return true; }
 	bool   prescribesTemperature() const override { return true; }
 	double temperature(double time) const override { return temperature_.at(time); }
 
@@ -209,7 +222,6 @@ public:
 	        , flux_(flux)
 	{}
 	void        validate(const Grid<D>& grid) const override;
-	bool        usesSurface() const override { return true; }
 	bool        heats() const override { return true; }
 	SurfaceHeat heat(double time) const override;
 
@@ -226,7 +238,6 @@ public:
 	        , power_(power)
 	{}
 	void   validate(const Grid<D>& grid) const override;
-	bool   takesVolumes() const override { return true; }
 	bool   producesHeat() const override { return true; }
 	double power(double time) const override { return power_.at(time); }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/boundary/Boundary.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -324,10 +324,8 @@ void TimeTable::validate(const std::string& owner) const
 
 template struct Region<2>;
 template struct Region<3>;
-template class MotionConstraints<2>;
-template class MotionConstraints<3>;
-template class Boundary<2>;
-template class Boundary<3>;
+TALIK_IN_PLANE_AND_SPACE(MotionConstraints);
+TALIK_IN_PLANE_AND_SPACE(Boundary);
 template std::vector<NodeShare> nodeShares<2>(const Grid<2>&, const Region<2>&);
 template std::vector<NodeShare> nodeShares<3>(const Grid<3>&, const Region<3>&);
 template std::vector<int>       wallNodes<2>(const Grid<2>&, const Region<2>&);

@@ -205,10 +205,6 @@ public:
 	/// Prescribed nodal temperature at a time [degC].
 	virtual double temperature(double) const { return 0.0; }
 
-	/// True if the boundary acts in the volume of a box or disc, by the share of each node that lies in it.
-	virtual bool takesVolumes() const { return false; }
-	/// True if the nodal areas of the region are needed in each step.
-	virtual bool usesSurface() const { return false; }
 	/// Force per area on the surface with the given outward unit normal [Pa].
 	virtual Vec<D> traction(double time, const Vec<D>& normal) const;
 	virtual bool   loads() const { return false; }
@@ -241,6 +237,11 @@ public:
 	/// True if it accelerates the mass of nodes in a box or disc, by accelerationAt(k) [m/s^2].
 	virtual bool   accelerates() const { return false; }
 	virtual Vec<D> accelerationAt(std::size_t) const { return Vec<D> {}; }
+
+	/// The boundary acts in the volume of a box or disc, by the share of each node that lies in it.
+	bool takesVolumes() const { return prescribesTemperature() || producesHeat() || accelerates(); }
+	/// The nodal areas of the region are needed in each step.
+	bool usesSurface() const { return loads() || heats() || drains() || feeds(); }
 
 protected:
 	Boundary(const Region<D>& region, const char* name, const char* effect)

@@ -120,7 +120,6 @@ template <int D> void BBar<D>::strain(const CellMeans<D>* cells, MaterialPoints<
 	stretchVolumes(points, motion, first, last);
 }
 
-template class BBar<2>;
-template class BBar<3>;
+TALIK_IN_PLANE_AND_SPACE(BBar);
 
 } // namespace talik

@@ -4,7 +4,7 @@
 #include <pkg/mpm/effects/PoreContent.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 
 namespace talik {
 
@@ -56,8 +56,5 @@ private:
 
 	PagedArray<Weight> weights_; ///< by cell; empty without bBarWeight
 };
-
-extern template class BBar<2>;
-extern template class BBar<3>;
 
 } // namespace talik

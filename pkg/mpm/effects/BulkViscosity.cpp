@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/effects/BulkViscosity.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <cmath>
 
@@ -31,7 +31,6 @@ template <int D> double BulkViscosity<D>::largestStep(const PointsInMotion<D>& p
 	return points.mass[p] / points.volume[p] * spacing * spacing / (6.0 * D * viscosity);
 }
 
-template class BulkViscosity<2>;
-template class BulkViscosity<3>;
+TALIK_IN_PLANE_AND_SPACE(BulkViscosity);
 
 } // namespace talik

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/ParameterList.hpp>
 #include <pkg/mpm/effects/Effect.hpp>
-#include <pkg/thm/ParameterList.hpp>
 
 /// Parameters of BulkViscosity, for the model and for the class that a script sees.
 // clang-format off
@@ -34,8 +34,5 @@ private:
 	PointFields::Handle handle_ = -1;
 	double*             stress_ = nullptr; ///< tension positive [Pa]
 };
-
-extern template class BulkViscosity<2>;
-extern template class BulkViscosity<3>;
 
 } // namespace talik

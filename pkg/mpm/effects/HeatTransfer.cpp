@@ -414,7 +414,6 @@ template <int D> void HeatTransfer<D>::warm(int first, int count, const double* 
 		h[k] += weight[k] * (gained[k] - smoothed * (t[k] - from));
 }
 
-template class HeatTransfer<2>;
-template class HeatTransfer<3>;
+TALIK_IN_PLANE_AND_SPACE(HeatTransfer);
 
 } // namespace talik

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
-#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/base/ProcessorVersions.hpp>
+#include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/grid/NodeLoops.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/kernels/NodeLoops.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/StepContext.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <cmath>
 #include <vector>
@@ -153,8 +153,5 @@ private:
 	double                     smoothed_ = 0.0; ///< part of the null-space differences that dies out in this step
 	bool                       walls_ = false, carried_ = false;
 };
-
-extern template class HeatTransfer<2>;
-extern template class HeatTransfer<3>;
 
 } // namespace talik

@@ -5,7 +5,7 @@
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,7 @@ template <int D> void IceSegregation<D>::bind(MaterialPoints<D>& points, int cel
 	iceMass = points.fields().component(iceField_);
 	cells_.reset(cells);
 	taken_.reset(points.count());
-	changed_.reserve(points.count());
+	opened_.reserve(points.count());
 }
 
 namespace {
@@ -124,270 +124,299 @@ template <int D> void IceSegregation<D>::addLeaning(Cell& c, const Vec<D>& middl
 	}
 }
 
-template <int D> int IceSegregation<D>::beside(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const
-{
-	const int at = cell / grid.cellStride(axis) % grid.cells(axis) + side, next = cell + side * grid.cellStride(axis);
-	if (at < 0 || at == grid.cells(axis) || next < range.firstCell || next >= range.lastCell || !(cells_[next].volume > 0.0)) return -1;
-	return next;
-}
+/// The cells along an axis, seen from an unfrozen one towards a side.
+template <int D> struct IceSegregation<D>::Row {
+	const IceSegregation& of;
+	const Grid<D>&        grid;
+	const ActiveRange&    range;
+	int                   from, axis, side;
 
-template <int D> int IceSegregation<D>::behindOf(const Grid<D>& grid, const ActiveRange& range, int cell, int from, int axis, int side) const
-{
-	constexpr int mostEmpty = 2; // with 1 the column of 20 days has half of its ice on cells of 2.5 cm, with 4 no row changes
-	const int     stride    = side * grid.cellStride(axis);
-	int           at        = cell / grid.cellStride(axis) % grid.cells(axis);
-	for (int next = cell + stride; next != cell + (mostEmpty + 2) * stride; next += stride) {
-		at += side;
-		if (at < 0 || at == grid.cells(axis) || next < range.firstCell || next >= range.lastCell || (next - from) / stride > farthestBehind) return -1;
-		if (cells_[next].volume > 0.0) return next;
-	}
-	return -1;
-}
-
-template <int D> int IceSegregation<D>::destination(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const
-{
-	if (from < 0 || frozen(cells_[from])) return -1;
-	const int to = behindOf(grid, range, from, from, axis, side);
-	if (to < 0) return cells_[from].ice > 0.0 ? from : -1;
-	return frozen(cells_[to]) ? to : -1;
-}
-
-/// Unit vector along the gradient of temperature, towards warmer ground.
-template <int D> Vec<D> IceSegregation<D>::direction(const Grid<D>& grid, const ActiveRange& range, int cell) const
-{
-	Vec<D> n {};
-	double square = 0.0;
-	for (int a = 0; a < D; ++a) {
-		const int    below = beside(grid, range, cell, a, -1), above = beside(grid, range, cell, a, 1);
-		const double difference = cells_[above < 0 ? cell : above].depth - cells_[below < 0 ? cell : below].depth;
-		n[a]                    = below < 0 || above < 0 ? 2.0 * difference : difference;
-		square += n[a] * n[a];
-	}
-	for (int a = 0; a < D && square > 0.0; ++a)
-		n[a] /= std::sqrt(square);
-	return n;
-}
-
-template <int D> double IceSegregation<D>::icePart(int unfrozen, int first, double depth, double cellVolume) const
-{
-	return (cells_[first].ice + (unfrozen == first ? 0.0 : cells_[unfrozen].ice)) / (cellVolume * fullIce(first, depth));
-}
-
-/// How far the ground is frozen before the middle of the second frozen cell, in cells less a half. A sharp front is smeared over two cells, and their
-/// ice tells where it is; where ice forms over a range of temperatures, these do: they fall along two straight lines that meet at T_f.
-template <int D> double IceSegregation<D>::frozenPart(int unfrozen, int first, int second, double cellVolume) const
-{
-	const double warm = std::max(0.0, cells_[unfrozen].depth), at = cells_[first].depth, behind = cells_[second].depth;
-	const double byIce = icePart(unfrozen, first, behind, cellVolume);
-	if (3.0 * at <= behind) return std::min(2.0, 0.5 - at / (at - behind));
-	double low = 0.0, high = 1.0;
-	for (int k = 0; k < 40; ++k) {
-		const double x = 0.5 * (low + high), cold = 1.0 - x;
-		(behind * x * x / (1.0 + 2.0 * x) + warm * cold * cold / (1.0 + 2.0 * cold) > at ? low : high) = x;
-	}
-	return std::max(byIce, 0.5 * (low + high));
-}
-
-template <int D> double IceSegregation<D>::fullIce(int cell, double depth) const
-{
-	const int material = int(cells_[cell].soil);
-	return 1.0 - curves_[material]->liquidSaturation(freezingTemperature_[material] + depth);
-}
-
-template <int D> typename IceSegregation<D>::Outside IceSegregation<D>::outside(const Grid<D>& grid, int from, int cell, int axis, int side) const
-{
-	if ((cell - from) / (side * grid.cellStride(axis)) > farthestSurface) return { NAN, 0.0 };
-	int corner = 0;
-	for (int a = 0; a < D; ++a)
-		corner += (grid.place(cell, a) + 1 + (a == axis && side > 0)) * grid.nodeStride(a); // node 0 is a ghost
-	double area = 0.0, sum = 0.0, heat = 0.0;
-	for (int k = 0; k < 1 << D; ++k) {
-		if (k >> axis & 1) continue; // the nodes of the face
-		int node = corner;
-		for (int a = 0; a < D; ++a)
-			node += (k >> a & 1) * grid.nodeStride(a);
-		const double* const of     = heat_->outside[node];
-		const double        facing = side * of[axis];
-		if (!(facing > 0.0)) continue;
-		area += facing;
-		sum += facing * of[D + 1] / of[D];
-		heat += facing * of[D + 2] / of[D];
-	}
-	if (!(area > 0.0)) return { NAN, 0.0 };
-	return { sum / area - freezingTemperature_[int(cells_[cell].soil)], heat / area };
-}
-
-/// Eq. (26.6). Behind a front in the cell at a wall or surface: from its temperature to T_f at the front, whose depth the ice tells. No thinner than
-/// that quarter of a cell through which heat leaves, and no more than the heat that does.
-template <int D> typename IceSegregation<D>::Line IceSegregation<D>::first(const Grid<D>& grid, int unfrozen, int first, int axis, int side) const
-{
-	const auto [cold, heat] = outside(grid, unfrozen, first, axis, side);
-	const double h          = grid.spacing();
-	if (!(cold < 0.0 && heat > 0.0)) return { 0.0, 0.0, 0.0, first };
-	const double part  = icePart(unfrozen, first, cold, grid.cellVolume());
-	const double front = placeOfFront(grid, first, part, axis, side);
-	const double thick = part + (cells_[first].lenses + (unfrozen == first ? 0.0 : cells_[unfrozen].lenses)) / grid.cellVolume();
-	const double slope = std::min(-cold / (h * std::max(thick, 0.25)), heat / cells_[first].conductivity);
-	return { slope, std::max(0.0, side * (front - cells_[unfrozen].middle[axis])), cold, first };
-}
-
-/// Where a front lies along an axis.
-template <int D> double IceSegregation<D>::placeOfFront(const Grid<D>& grid, int cell, double part, int axis, int side) const
-{
-	const int row = cell / grid.cellStride(axis) % grid.cells(axis) + (side > 0);
-	return grid.lower()[axis] + (row - side * part) * grid.spacing();
-}
-
-/// The gradient of temperature behind a front: of the straight line from there that fits the cells behind, which have no part in the front. Where ice
-/// forms over a range of temperatures, the front for this is where most of it has formed.
-template <int D>
-typename IceSegregation<D>::Line IceSegregation<D>::behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const
-{
-	constexpr int most   = 3; // cells of the line
-	const int     from   = unfrozen;
-	int           second = behindOf(grid, range, first, from, axis, side);
-	if (second < 0 && (unfrozen == first || !std::isnan(outside(grid, unfrozen, first, axis, side).depth)))
-		return this->first(grid, unfrozen, first, axis, side);
-	const bool   falls = second >= 0 && cells_[second].depth < cells_[first].depth;
-	const double h     = grid.spacing(),
-	             part  = falls ? frozenPart(unfrozen, first, second, grid.cellVolume())
-	                           : std::max(0.25, icePart(unfrozen, first, 2.0 * cells_[first].depth, grid.cellVolume()));
-	double       front = placeOfFront(grid, first, part, axis, side);
-	const double ahead = std::max(0.0, side * (front - cells_[unfrozen].middle[axis]));
-	if (!falls) {
-		// warmer ground behind it, or an end that takes no heat: the frozen part has one gradient, which in ground that is warm in front is no
-		// larger than that of both
-		const double warm = cells_[unfrozen].depth, cold = cells_[first].depth, within = -2.0 * cold / (h * part * part);
-		return { warm > 0.0 ? std::min(within, (warm - cold) / h) : within, ahead, cold, first };
-	}
-	const int  reference = second;
-	const auto formsIce  = [&](int third) { // in the second
-                return third >= 0 && cells_[third].depth < cells_[second].depth
-                        && !(cells_[second].ice > 0.5 * cells_[second].volume * fullIce(second, cells_[third].depth));
+	/// Behind a front.
+	struct Line {
+		double gradient;  ///< [K/m]
+		double ahead;     ///< of the front before the middle of the unfrozen cell [m]
+		double coldest;   ///< temperature of the ground behind, less T_f [K]
+		int    reference; ///< the cell whose heat conduction counts
 	};
-	for (int third; formsIce(third = behindOf(grid, range, second, from, axis, side));) {
-		unfrozen = first;
-		first    = second;
-		second   = third;
-		front    = placeOfFront(grid, first, frozenPart(unfrozen, first, second, grid.cellVolume()), axis, side);
-	}
-	double moment = 0.0, square = 0.0, coldest = 0.0;
-	for (int c = second, k = 0; k < most && c >= 0 && cells_[c].depth < coldest; ++k, c = behindOf(grid, range, c, from, axis, side)) {
-		const double distance = side * (cells_[c].middle[axis] - front);
-		coldest               = cells_[c].depth;
-		moment -= coldest * distance;
-		square += distance * distance;
-	}
-	return { moment / square, ahead, coldest, reference };
-}
+	struct Outside {
+		double depth, heat; ///< temperature less T_f [K], NaN: none is known; heat that leaves there [W/m^2]
+	};
 
-template <int D> double IceSegregation<D>::transmitted(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side, const Vec<D>& n) const
-{
-	const Cell& c = cells_[cell];
-	// at an end the cell is filled in part, and the stress of its points is that of the surface
-	const bool ends   = beside(grid, range, cell, axis, -side) < 0 || behindOf(grid, range, cell, cell, axis, side) < 0;
-	const int  stride = grid.cellStride(axis);
-	double     sum    = 0.0;
-	for (int i = 0; i < D; ++i)
-		for (int j = 0; j < D; ++j) {
-			const int k = stressIndex<D>(i, j);
-			double    t = c.volume * c.stress[k] + (i == j ? c.added : 0.0);
-			if (!ends && i == axis && j == axis)
-				t += cells_[cell - stride].leaning[axis][1] + cells_[cell + stride].leaning[axis][0] - c.leaning[axis][0] - c.leaning[axis][1];
-			sum -= n[i] * t * n[j];
+	/// The cell beside, or -1 where there is no ground.
+	int beside(int cell, int axis, int side) const
+	{
+		const int at = cell / grid.cellStride(axis) % grid.cells(axis) + side, next = cell + side * grid.cellStride(axis);
+		if (at < 0 || at == grid.cells(axis) || next < range.firstCell || next >= range.lastCell || !(of.cells_[next].volume > 0.0)) return -1;
+		return next;
+	}
+
+	/// The next cell with ground behind a cell, on the way from an unfrozen one; or -1. A point that a lens has made long leaves up to two cells empty.
+	int behindOf(int cell) const { return behindOf(cell, from); }
+	int behindOf(int cell, int from) const
+	{
+		constexpr int mostEmpty = 2; // with 1 the column of 20 days has half of its ice on cells of 2.5 cm, with 4 no row changes
+		const int     stride    = side * grid.cellStride(axis);
+		int           at        = cell / grid.cellStride(axis) % grid.cells(axis);
+		for (int next = cell + stride; next != cell + (mostEmpty + 2) * stride; next += stride) {
+			at += side;
+			if (at < 0 || at == grid.cells(axis) || next < range.firstCell || next >= range.lastCell || (next - from) / stride > farthestBehind)
+				return -1;
+			if (of.cells_[next].volume > 0.0) return next;
 		}
-	return sum / (ends ? c.volume : grid.cellVolume());
-}
-
-/// Total pressure normal to a front, of the cells at it. In cells that are not full of points force is in balance, and stress is not.
-template <int D> double IceSegregation<D>::pressureOn(const Grid<D>& grid, const ActiveRange& range, int from, int to, int axis, int side) const
-{
-	Vec<D> n {};
-	if (from == to) n[axis] = 1.0;
-	else n = direction(grid, range, to);
-	return 0.5 * (transmitted(grid, range, from, axis, side, n) + transmitted(grid, range, to, axis, side, n));
-}
-
-/// Pressures alternate from cell to cell around a cell that alone loses water, as the nodes hardly see that. So two cells give it, and the mean of
-/// their pressures counts.
-template <int D> int IceSegregation<D>::secondSource(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const
-{
-	const int next = beside(grid, range, from, axis, -side);
-	return next < 0 || frozen(cells_[next]) ? -1 : next;
-}
-
-template <int D> int IceSegregation<D>::cellOfLens(const Grid<D>& grid, const ActiveRange& range, int from, int first, double lens, int axis, int side) const
-{
-	int cell = first;
-	for (int k = 0; k < farthestLens; ++k) {
-		const int next = behindOf(grid, range, cell, from, axis, side);
-		// at the face between them
-		if (next < 0 || !(cells_[next].depth < cells_[cell].depth) || !(0.5 * (cells_[cell].depth + cells_[next].depth) > lens)) break;
-		cell = next;
+		return -1;
 	}
-	return cell;
-}
 
-/// Near a surface, where cells are filled in part, the heat that leaves there tells the gradient; of surfaces ranks know less far than of cells.
-template <int D>
-void IceSegregation<D>::seeFrom(const Grid<D>& grid, const ActiveRange& range, int from, int lens, int axis, int side, SegregationPotential::Front& front) const
-{
-	const int     next = behindOf(grid, range, lens, from, axis, side), second = next < 0 ? -1 : behindOf(grid, range, next, from, axis, side);
-	const int     last      = second >= 0 ? second : next >= 0 ? next : lens;
-	const bool    atSurface = behindOf(grid, range, last, from, axis, side) < 0;
-	const Outside beyond    = atSurface ? outside(grid, from, last, axis, side) : Outside { NAN, 0.0 };
-	const bool    known     = !std::isnan(beyond.depth);
-	if (!known && second < 0) return;
-	front.gradient = known ? beyond.heat / cells_[last].conductivity
-	                       : (cells_[next].depth - cells_[second].depth) / (side * (cells_[second].middle[axis] - cells_[next].middle[axis]));
-	front.ice      = fullIce(lens, next < 0 ? front.coldest : cells_[next].depth);
-}
-
-template <int D> double IceSegregation<D>::heatBefore(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const
-{
-	const int warmer = beside(grid, range, cell, axis, -side);
-	if (warmer < 0) return 0.0;
-	const double distance = side * (cells_[cell].middle[axis] - cells_[warmer].middle[axis]);
-	return cells_[warmer].conductivity * std::max(0.0, (cells_[warmer].depth - cells_[cell].depth) / distance);
-}
-
-/// Eq. (26.4).
-template <int D>
-typename IceSegregation<D>::Flux IceSegregation<D>::drawn(
-        const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const
-{
-	const int first = destination(grid, range, from, axis, side);
-	if (first < 0) return { 0.0, -1 };
-	const SegregationPotential& soil = soils_[int(cells_[first].soil)];
-	if (soil.drawsNothing()) return { 0.0, -1 };
-	const Line                  line   = behind(grid, range, from, first, axis, side);
-	const int                   second = secondSource(grid, range, from, axis, side);
-	const double                ahead  = second < 0 ? 0.0 : 0.5 * side * (cells_[from].middle[axis] - cells_[second].middle[axis]);
-	SegregationPotential::Front f {};
-	f.gradient     = line.gradient;
-	f.conductivity = cells_[line.reference].conductivity;
-	f.coldest      = line.coldest;
-	f.distance     = line.ahead + ahead;
-	f.rise         = -side * f.distance * weight[axis];
-	f.pressure     = 0.5 * (water.pressureOfCell(from) + water.pressureOfCell(second < 0 ? from : second));
-	f.load         = pressureOn(grid, range, from, first, axis, side);
-	f.unfrozen     = heatBefore(grid, range, from, axis, side) / f.conductivity;
-	f.ice          = fullIce(line.reference, line.coldest);
-	auto intake    = soil.intake(f);
-	int  lens      = first;
-	// what stands behind the lens depends on where it lies, which depends on that
-	for (int k = 0; k < 2 && first != from && intake.lens < 0.0; ++k) {
-		lens = cellOfLens(grid, range, from, first, intake.lens, axis, side);
-		if (lens == first) break;
-		seeFrom(grid, range, from, lens, axis, side, f);
-		const auto seen = soil.intake(f);
-		intake          = { seen.water, seen.lens < 0.0 ? seen.lens : intake.lens };
+	/// Where the water goes that the first cell gives: the frozen cell there, the cell itself if the front stands in it and no ground lies behind, or -1.
+	int destination() const
+	{
+		if (from < 0 || frozen(of.cells_[from])) return -1;
+		const int to = behindOf(from);
+		if (to < 0) return of.cells_[from].ice > 0.0 ? from : -1;
+		return frozen(of.cells_[to]) ? to : -1;
 	}
-	// ground that has run dry in part lets as much less of its water go as anywhere
-	const double full  = std::min(1.0, cells_[from].fill / cells_[from].pores);
-	const double least = std::min(water.liquidOfCell(from), second < 0 ? HUGE_VAL : water.liquidOfCell(second));
-	return { std::min(liquidDensity_ * dt * grid.faceArea() * full * full * full * intake.water, largestPart * least), lens };
-}
+
+	/// Unit vector along the gradient of temperature, towards warmer ground.
+	Vec<D> direction(int cell) const
+	{
+		Vec<D> n {};
+		double square = 0.0;
+		for (int a = 0; a < D; ++a) {
+			const int    below = beside(cell, a, -1), above = beside(cell, a, 1);
+			const double difference = of.cells_[above < 0 ? cell : above].depth - of.cells_[below < 0 ? cell : below].depth;
+			n[a]                    = below < 0 || above < 0 ? 2.0 * difference : difference;
+			square += n[a] * n[a];
+		}
+		for (int a = 0; a < D && square > 0.0; ++a)
+			n[a] /= std::sqrt(square);
+		return n;
+	}
+
+	/// Ice of both, in cells that are as frozen as ground so far below T_f [K].
+	double icePart(int unfrozen, int first, double depth) const
+	{
+		return (of.cells_[first].ice + (unfrozen == first ? 0.0 : of.cells_[unfrozen].ice)) / (grid.cellVolume() * fullIce(first, depth));
+	}
+
+	/// How far the ground is frozen before the middle of the second frozen cell, in cells less a half. A sharp front is smeared over two cells, and their
+	/// ice tells where it is; where ice forms over a range of temperatures, these do: they fall along two straight lines that meet at T_f.
+	double frozenPart(int unfrozen, int first, int second) const
+	{
+		const double warm = std::max(0.0, of.cells_[unfrozen].depth), at = of.cells_[first].depth, behind = of.cells_[second].depth;
+		const double byIce = icePart(unfrozen, first, behind);
+		if (3.0 * at <= behind) return std::min(2.0, 0.5 - at / (at - behind));
+		double low = 0.0, high = 1.0;
+		for (int k = 0; k < 40; ++k) {
+			const double x = 0.5 * (low + high), cold = 1.0 - x;
+			(behind * x * x / (1.0 + 2.0 * x) + warm * cold * cold / (1.0 + 2.0 * cold) > at ? low : high) = x;
+		}
+		return std::max(byIce, 0.5 * (low + high));
+	}
+
+	/// Ice saturation of ground so far below T_f [K], < 0.
+	double fullIce(int cell, double depth) const
+	{
+		const int material = int(of.cells_[cell].soil);
+		return 1.0 - of.curves_[material]->liquidSaturation(of.freezingTemperature_[material] + depth);
+	}
+
+	/// The wall or surface of a cell on the side.
+	Outside outside(int cell) const
+	{
+		if ((cell - from) / (side * grid.cellStride(axis)) > farthestSurface) return { NAN, 0.0 };
+		int corner = 0;
+		for (int a = 0; a < D; ++a)
+			corner += (grid.place(cell, a) + 1 + (a == axis && side > 0)) * grid.nodeStride(a); // node 0 is a ghost
+		double area = 0.0, sum = 0.0, heat = 0.0;
+		for (int k = 0; k < 1 << D; ++k) {
+			if (k >> axis & 1) continue; // the nodes of the face
+			int node = corner;
+			for (int a = 0; a < D; ++a)
+				node += (k >> a & 1) * grid.nodeStride(a);
+			const double* const at     = of.heat_->outside[node];
+			const double        facing = side * at[axis];
+			if (!(facing > 0.0)) continue;
+			area += facing;
+			sum += facing * at[D + 1] / at[D];
+			heat += facing * at[D + 2] / at[D];
+		}
+		if (!(area > 0.0)) return { NAN, 0.0 };
+		return { sum / area - of.freezingTemperature_[int(of.cells_[cell].soil)], heat / area };
+	}
+
+	/// Eq. (26.6). Behind a front in the cell at a wall or surface: from its temperature to T_f at the front, whose depth the ice tells. No thinner than
+	/// that quarter of a cell through which heat leaves, and no more than the heat that does.
+	Line atSurface(int first) const
+	{
+		const auto [cold, heat] = outside(first);
+		const double h          = grid.spacing();
+		if (!(cold < 0.0 && heat > 0.0)) return { 0.0, 0.0, 0.0, first };
+		const double part  = icePart(from, first, cold);
+		const double front = placeOfFront(first, part);
+		const double thick = part + (of.cells_[first].lenses + (from == first ? 0.0 : of.cells_[from].lenses)) / grid.cellVolume();
+		const double slope = std::min(-cold / (h * std::max(thick, 0.25)), heat / of.cells_[first].conductivity);
+		return { slope, std::max(0.0, side * (front - of.cells_[from].middle[axis])), cold, first };
+	}
+
+	/// Where a front lies along an axis.
+	double placeOfFront(int cell, double part) const
+	{
+		const int row = cell / grid.cellStride(axis) % grid.cells(axis) + (side > 0);
+		return grid.lower()[axis] + (row - side * part) * grid.spacing();
+	}
+
+	/// The gradient of temperature behind a front: of the straight line from there that fits the cells behind, which have no part in the front. Where ice
+	/// forms over a range of temperatures, the front for this is where most of it has formed.
+	Line behind(int first) const
+	{
+		constexpr int most     = 3; // cells of the line
+		int           unfrozen = from;
+		int           second   = behindOf(first);
+		if (second < 0 && (unfrozen == first || !std::isnan(outside(first).depth))) return atSurface(first);
+		const bool   falls = second >= 0 && of.cells_[second].depth < of.cells_[first].depth;
+		const double h     = grid.spacing(),
+		             part  = falls ? frozenPart(unfrozen, first, second) : std::max(0.25, icePart(unfrozen, first, 2.0 * of.cells_[first].depth));
+		double       front = placeOfFront(first, part);
+		const double ahead = std::max(0.0, side * (front - of.cells_[unfrozen].middle[axis]));
+		if (!falls) {
+			// warmer ground behind it, or an end that takes no heat: the frozen part has one gradient, which in ground that is warm in front is no
+			// larger than that of both
+			const double warm = of.cells_[unfrozen].depth, cold = of.cells_[first].depth, within = -2.0 * cold / (h * part * part);
+			return { warm > 0.0 ? std::min(within, (warm - cold) / h) : within, ahead, cold, first };
+		}
+		const int  reference = second;
+		const auto formsIce  = [&](int third) { // in the second
+                        return third >= 0 && of.cells_[third].depth < of.cells_[second].depth
+                                && !(of.cells_[second].ice > 0.5 * of.cells_[second].volume * fullIce(second, of.cells_[third].depth));
+		};
+		for (int third; formsIce(third = behindOf(second));) {
+			unfrozen = first;
+			first    = second;
+			second   = third;
+			front    = placeOfFront(first, frozenPart(unfrozen, first, second));
+		}
+		double moment = 0.0, square = 0.0, coldest = 0.0;
+		for (int c = second, k = 0; k < most && c >= 0 && of.cells_[c].depth < coldest; ++k, c = behindOf(c)) {
+			const double distance = side * (of.cells_[c].middle[axis] - front);
+			coldest               = of.cells_[c].depth;
+			moment -= coldest * distance;
+			square += distance * distance;
+		}
+		return { moment / square, ahead, coldest, reference };
+	}
+
+	/// -n T n for the stress T that the grid transmits through a cell along the axis.
+	double transmitted(int cell, const Vec<D>& n) const
+	{
+		const Cell& c = of.cells_[cell];
+		// at an end the cell is filled in part, and the stress of its points is that of the surface
+		const bool ends   = beside(cell, axis, -side) < 0 || behindOf(cell, cell) < 0;
+		const int  stride = grid.cellStride(axis);
+		double     sum    = 0.0;
+		for (int i = 0; i < D; ++i)
+			for (int j = 0; j < D; ++j) {
+				const int k = stressIndex<D>(i, j);
+				double    t = c.volume * c.stress[k] + (i == j ? c.added : 0.0);
+				if (!ends && i == axis && j == axis)
+					t += of.cells_[cell - stride].leaning[axis][1] + of.cells_[cell + stride].leaning[axis][0] - c.leaning[axis][0]
+					        - c.leaning[axis][1];
+				sum -= n[i] * t * n[j];
+			}
+		return sum / (ends ? c.volume : grid.cellVolume());
+	}
+
+	/// Total pressure normal to a front, of the cells at it. In cells that are not full of points force is in balance, and stress is not.
+	double pressureOn(int to) const
+	{
+		Vec<D> n {};
+		if (from == to) n[axis] = 1.0;
+		else n = direction(to);
+		return 0.5 * (transmitted(from, n) + transmitted(to, n));
+	}
+
+	/// The cell that gives a front half of its water, the one before the last unfrozen cell; or -1: that cell gives all.
+	/// Pressures alternate from cell to cell around a cell that alone loses water, as the nodes hardly see that. So two cells give it, and the mean of
+	/// their pressures counts.
+	int secondSource() const
+	{
+		const int next = beside(from, axis, -side);
+		return next < 0 || frozen(of.cells_[next]) ? -1 : next;
+	}
+
+	/// The cell with the lens of a front, whose temperature less T_f is lens [K]: the first frozen one or one behind it.
+	int cellOfLens(int first, double lens) const
+	{
+		int cell = first;
+		for (int k = 0; k < farthestLens; ++k) {
+			const int next = behindOf(cell);
+			// at the face between them
+			if (next < 0 || !(of.cells_[next].depth < of.cells_[cell].depth) || !(0.5 * (of.cells_[cell].depth + of.cells_[next].depth) > lens))
+				break;
+			cell = next;
+		}
+		return cell;
+	}
+
+	/// The front seen from a lens that lies in a cell behind the first frozen one. Unchanged where nothing is known of the ground behind it.
+	/// Near a surface, where cells are filled in part, the heat that leaves there tells the gradient; of surfaces ranks know less far than of cells.
+	void seeFrom(int lens, SegregationPotential::Front& front) const
+	{
+		const int     next = behindOf(lens), second = next < 0 ? -1 : behindOf(next);
+		const int     last      = second >= 0 ? second : next >= 0 ? next : lens;
+		const bool    atSurface = behindOf(last) < 0;
+		const Outside beyond    = atSurface ? outside(last) : Outside { NAN, 0.0 };
+		const bool    known     = !std::isnan(beyond.depth);
+		if (!known && second < 0) return;
+		front.gradient = known
+		        ? beyond.heat / of.cells_[last].conductivity
+		        : (of.cells_[next].depth - of.cells_[second].depth) / (side * (of.cells_[second].middle[axis] - of.cells_[next].middle[axis]));
+		front.ice      = fullIce(lens, next < 0 ? front.coldest : of.cells_[next].depth);
+	}
+
+	/// That comes through the unfrozen ground to the front [W/m^2].
+	double heatBefore() const
+	{
+		const int warmer = beside(from, axis, -side);
+		if (warmer < 0) return 0.0;
+		const double distance = side * (of.cells_[from].middle[axis] - of.cells_[warmer].middle[axis]);
+		return of.cells_[warmer].conductivity * std::max(0.0, (of.cells_[warmer].depth - of.cells_[from].depth) / distance);
+	}
+
+	/// Water that the first cell and its second source give in the step to the one with the lens, eq. (26.4): 0 unless a front lies beside it.
+	Flux drawn(const PoreWater<D>& water, const Vec<D>& weight, double dt) const
+	{
+		const int first = destination();
+		if (first < 0) return { 0.0, -1 };
+		const SegregationPotential& soil = of.soils_[int(of.cells_[first].soil)];
+		if (soil.drawsNothing()) return { 0.0, -1 };
+		const Line                  line   = behind(first);
+		const int                   second = secondSource();
+		const double                ahead  = second < 0 ? 0.0 : 0.5 * side * (of.cells_[from].middle[axis] - of.cells_[second].middle[axis]);
+		SegregationPotential::Front f {};
+		f.gradient     = line.gradient;
+		f.conductivity = of.cells_[line.reference].conductivity;
+		f.coldest      = line.coldest;
+		f.distance     = line.ahead + ahead;
+		f.rise         = -side * f.distance * weight[axis];
+		f.pressure     = 0.5 * (water.pressureOfCell(from) + water.pressureOfCell(second < 0 ? from : second));
+		f.load         = pressureOn(first);
+		f.unfrozen     = heatBefore() / f.conductivity;
+		f.ice          = fullIce(line.reference, line.coldest);
+		auto intake    = soil.intake(f);
+		int  lens      = first;
+		// what stands behind the lens depends on where it lies, which depends on that
+		for (int k = 0; k < 2 && first != from && intake.lens < 0.0; ++k) {
+			lens = cellOfLens(first, intake.lens);
+			if (lens == first) break;
+			seeFrom(lens, f);
+			const auto seen = soil.intake(f);
+			intake          = { seen.water, seen.lens < 0.0 ? seen.lens : intake.lens };
+		}
+		// ground that has run dry in part lets as much less of its water go as anywhere
+		const double full  = std::min(1.0, of.cells_[from].fill / of.cells_[from].pores);
+		const double least = std::min(water.liquidOfCell(from), second < 0 ? HUGE_VAL : water.liquidOfCell(second));
+		return { std::min(of.liquidDensity_ * dt * grid.faceArea() * full * full * full * intake.water, largestPart * least), lens };
+	}
+};
 
 template <int D>
 void IceSegregation<D>::draw(
@@ -406,7 +435,7 @@ void IceSegregation<D>::draw(
 			if (!(c.volume > 0.0) || frozen(c)) continue;
 			for (int a = 0; a < D; ++a)
 				for (const int side : { -1, 1 }) {
-					const Flux flux              = drawn(grid, range, water, i, a, side, down, dt);
+					const Flux flux              = Row { *this, grid, range, i, a, side }.drawn(water, down, dt);
 					c.fluxes[2 * a + (side > 0)] = flux;
 					c.lost += flux.mass;
 				}
@@ -420,7 +449,7 @@ void IceSegregation<D>::draw(
 			if (!(c.mass > 0.0)) continue;
 			c.opened = c.mass / (iceDensity_ * c.volume);
 			Vec<D> n;
-			if (frozen(c)) n = direction(grid, range, i);
+			if (frozen(c)) n = Row { *this, grid, range, i, 0, 1 }.direction(i);
 			else {
 				double square = 0.0;
 				for (const double part : c.across)
@@ -440,7 +469,7 @@ template <int D> void IceSegregation<D>::handOver(const Grid<D>& grid, const Act
 		for (int k = 0; k < 2 * D; ++k) {
 			const auto [mass, to] = cells_[i].fluxes[k];
 			if (!(mass > 0.0)) continue;
-			const int    second = secondSource(grid, range, i, k / 2, k % 2 ? 1 : -1);
+			const int    second = Row { *this, grid, range, i, k / 2, k % 2 ? 1 : -1 }.secondSource();
 			const double half   = second < 0 ? 0.0 : 0.5 * mass;
 			Cell&        c      = cells_[to];
 			c.mass += mass;
@@ -480,9 +509,7 @@ template <int D> void IceSegregation<D>::book(const ActiveRange& range, const Po
 	}
 }
 
-template <int D>
-void IceSegregation<D>::receive(
-        const CellMeans<D>& cells, int first, int last, const HeatTransfer<D>&, double* waterMass, double* enthalpy, PoreWater<D>& water)
+template <int D> void IceSegregation<D>::receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, PoreWater<D>& water)
 {
 	const double* const size = points_->volume();
 	for (int p = first; p < last; ++p) {
@@ -527,26 +554,12 @@ template <int D> void IceSegregation<D>::part(const CellMeans<D>& cells, SolidMo
 	for (int p = strips.firstPoint(); p < strips.endPoint(); ++p) {
 		const Cell& c = cells_[cells.cell(p)];
 		if (!(c.opened > 0.0)) continue;
-		OfGrid before { p, {} };
-		for (int i = 0; i < D; ++i)
-			for (int j = 0; j < D; ++j) {
-				double* const gradient     = motion.gradient[i * D + j];
-				before.gradient[i * D + j] = gradient[p];
-				gradient[p] -= c.opened * c.normal[i] * c.normal[j];
-			}
-		changed_.push_back(before);
+		Vec<D> normal;
+		std::copy(std::begin(c.normal), std::end(c.normal), normal.begin());
+		opened_.add(motion.gradient, p, -c.opened, normal);
 	}
 }
 
-template <int D> void IceSegregation<D>::restoreGradients(SolidMotion<D>& motion)
-{
-	for (const OfGrid& before : changed_)
-		for (int c = 0; c < D * D; ++c)
-			motion.gradient[c][before.place] = before.gradient[c];
-	changed_.clear();
-}
-
-template class IceSegregation<2>;
-template class IceSegregation<3>;
+TALIK_IN_PLANE_AND_SPACE(IceSegregation);
 
 } // namespace talik

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/base/PagedArray.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
+#include <pkg/mpm/points/PointsInMotion.hpp>
 #include <pkg/mpm/StepLedger.hpp>
 #include <pkg/thm/SegregationPotential.hpp>
 
@@ -46,14 +47,14 @@ public:
 	/// What that does to the works.
 	void book(const ActiveRange& range, const PoreWater<D>& water, StepLedger<D>& ledger) const;
 	/// Hands what cells were given to their frozen points: mass, enthalpy, momentum, and the volume that it takes as ice.
-	void receive(const CellMeans<D>& cells, int first, int last, const HeatTransfer<D>& heat, double* waterMass, double* enthalpy, PoreWater<D>& water);
+	void receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, PoreWater<D>& water);
 	/// The volume of the new ice belongs to the points that have it, after the strain of the step was averaged over each cell.
 	void shareVolume(const CellMeans<D>& cells, int first, int last);
 	/// Room that melting ice leaves is handed to the thaw strain.
 	void release(ThawStrain<D>& thawStrain);
 	/// Takes the new ice out of the displacement gradient that laws see, until restoreGradients().
 	void part(const CellMeans<D>& cells, SolidMotion<D>& motion);
-	void restoreGradients(SolidMotion<D>& motion);
+	void restoreGradients(const Gradients<D>& gradient) { opened_.takeOut(gradient); }
 
 	double *volume = nullptr, *iceMass = nullptr; ///< of excess ice when all of it is frozen [m^D]; what is frozen now [kg]
 
@@ -84,53 +85,9 @@ private:
 		double across[D];                  ///< given along the axes [kg]
 		double normal[D];                  ///< along the gradient of temperature
 	};
-	struct OfGrid {
-		int                       place;
-		std::array<double, D * D> gradient;
-	};
 	/// What a point adds to the stress of its cell.
 	void addLeaning(Cell& c, const Vec<D>& middle, double inverseSpacing, const SolidMotion<D>& motion, int place);
-	/// The cell beside, or -1 where there is no ground.
-	int beside(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
-	/// The next cell with ground behind a cell, on the way from an unfrozen one; or -1. A point that a lens has made long leaves up to two cells empty.
-	int behindOf(const Grid<D>& grid, const ActiveRange& range, int cell, int from, int axis, int side) const;
-	/// Where the water goes that a cell gives along an axis: the frozen cell there, the cell itself if the front stands in it and no ground lies
-	/// behind, or -1.
-	int    destination(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const;
-	Vec<D> direction(const Grid<D>& grid, const ActiveRange& range, int cell) const;
-	/// Behind a front.
-	struct Line {
-		double gradient, ahead,
-		        coldest; ///< [K/m]; of the front before the middle of the unfrozen cell [m]; temperature of the ground behind, less T_f [K]
-		int reference;   ///< the cell whose heat conduction counts
-	};
-	/// Ice saturation of ground so far below T_f [K], < 0.
-	double fullIce(int cell, double depth) const;
-	/// Ice of both, in cells that are as frozen as ground so far below T_f [K].
-	double icePart(int unfrozen, int first, double depth, double cellVolume) const;
-	double placeOfFront(const Grid<D>& grid, int cell, double part, int axis, int side) const;
-	double frozenPart(int unfrozen, int first, int second, double cellVolume) const;
-	/// Of the wall or surface of a cell on a side.
-	struct Outside {
-		double depth, heat; ///< temperature less T_f [K], NaN: none is known; heat that leaves there [W/m^2]
-	};
-	Outside outside(const Grid<D>& grid, int from, int cell, int axis, int side) const;
-	Line    first(const Grid<D>& grid, int unfrozen, int first, int axis, int side) const;
-	/// The cell that gives a front half of its water, the one before the last unfrozen cell; or -1: that cell gives all.
-	int  secondSource(const Grid<D>& grid, const ActiveRange& range, int from, int axis, int side) const;
-	Line behind(const Grid<D>& grid, const ActiveRange& range, int unfrozen, int first, int axis, int side) const;
-	/// -n T n for the stress T that the grid transmits through a cell along an axis.
-	double transmitted(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side, const Vec<D>& n) const;
-	double pressureOn(const Grid<D>& grid, const ActiveRange& range, int from, int to, int axis, int side) const;
-	/// The cell with the lens of a front, whose temperature less T_f is lens [K]: the first frozen one or one behind it.
-	int cellOfLens(const Grid<D>& grid, const ActiveRange& range, int from, int first, double lens, int axis, int side) const;
-	/// The front seen from a lens that lies in a cell behind the first frozen one. Unchanged where nothing is known of the ground behind it.
-	void seeFrom(const Grid<D>& grid, const ActiveRange& range, int from, int lens, int axis, int side, SegregationPotential::Front& front) const;
-	/// That comes through the unfrozen ground to the front [W/m^2].
-	double heatBefore(const Grid<D>& grid, const ActiveRange& range, int cell, int axis, int side) const;
-	/// Water that a cell and its second source give in the step to the one with the lens: 0 unless a front lies beside it.
-	Flux drawn(
-	        const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, int from, int axis, int side, const Vec<D>& weight, double dt) const;
+	struct Row;
 	/// What cells give to others arrives there.
 	void handOver(const Grid<D>& grid, const ActiveRange& range, const PoreWater<D>& water, const EnthalpyModel& enthalpy);
 
@@ -158,10 +115,7 @@ private:
 	PointFields::Handle               volumeField_, iceField_;
 	PagedArray<Cell>                  cells_;
 	PagedArray<double>                taken_; ///< by place: volume of the ice that a point got in the step [m^D]
-	std::vector<OfGrid>               changed_;
+	AddedStrain<D>                    opened_;
 };
-
-extern template class IceSegregation<2>;
-extern template class IceSegregation<3>;
 
 } // namespace talik

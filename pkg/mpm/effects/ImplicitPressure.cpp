@@ -940,7 +940,6 @@ template <int D> void ImplicitPressure<D>::givePressure(const ActiveRange& range
 	});
 }
 
-template class ImplicitPressure<2>;
-template class ImplicitPressure<3>;
+TALIK_IN_PLANE_AND_SPACE(ImplicitPressure);
 
 } // namespace talik

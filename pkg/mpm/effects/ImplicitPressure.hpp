@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/PagedArray.hpp>
+#include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/PressureMultigrid.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/grid/ActiveRange.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
-#include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
-#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 #include <pkg/mpm/StepContext.hpp>
 
 #include <array>
@@ -180,8 +180,5 @@ private:
 	bool                              fed_    = false;
 	const std::vector<NodeImage>*     images_ = nullptr; ///< nodes that periodic sides repeat
 };
-
-extern template class ImplicitPressure<2>;
-extern template class ImplicitPressure<3>;
 
 } // namespace talik

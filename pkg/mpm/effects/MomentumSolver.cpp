@@ -118,21 +118,18 @@ template <int D> void MomentumSolver<D>::accelerate(const Boundary<D>& boundary,
 	}
 }
 
-template <int D> void MomentumSolver<D>::rememberWalls(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water)
+/// What a node has before walls change it.
+template <int D> typename MomentumSolver<D>::WallRecord MomentumSolver<D>::recordOf(int node, const SolidMotion<D>& motion, const PoreWater<D>* water) const
 {
-	const double keep = 1.0 - motion.kept, keepLiquid = water ? 1.0 - water->kept : 0.0;
-	for (std::size_t k = 0; k < wallNodes_.size(); ++k) {
-		if (!range.holds(wallNodes_[k])) continue;
-		const double* r  = motion.nodes[wallNodes_[k]];
-		const double* rl = water ? water->nodes[wallNodes_[k]] : nullptr;
-		WallRecord&   w  = walls_[k];
-		w.solidMass      = r[motion.massAt];
-		w.liquidMass     = rl ? rl[0] : 0.0;
-		for (int a = 0; a < D; ++a) {
-			w.momentumLeft[a] = keep * r[motion.momentumAt + a] + (rl ? keepLiquid * rl[1 + a] : 0.0);
-			w.force[a]        = r[motion.forceAt + a];
-		}
+	const double* r      = motion.nodes[node];
+	const double* liquid = water ? water->nodes[node] : nullptr;
+	WallRecord    w { r[motion.massAt], liquid ? liquid[PoreWater<D>::massAt] : 0.0, {}, {} };
+	for (int a = 0; a < D; ++a) {
+		w.momentumLeft[a] = (1.0 - motion.kept) * r[motion.momentumAt + a]
+		        + (liquid ? (1.0 - water->kept) * liquid[PoreWater<D>::momentumAt + a] : 0.0);
+		w.force[a] = r[motion.forceAt + a];
 	}
+	return w;
 }
 
 namespace {
@@ -209,22 +206,6 @@ template <int D> void MomentumSolver<D>::endStep(double dt)
 			wallPaths_[k][a] += dt * moving_[k].endOf(a);
 }
 
-template <int D> void MomentumSolver<D>::rememberFolded(int mirror, const SolidMotion<D>& motion, const PoreWater<D>* water)
-{
-	const double* r  = motion.nodes[mirrors_[mirror].ghost];
-	const double* rl = water ? water->nodes[mirrors_[mirror].ghost] : nullptr;
-	Folded        f;
-	f.pushed     = {};
-	f.mirror     = mirror;
-	f.solidMass  = r[motion.massAt];
-	f.liquidMass = rl ? rl[PoreWater<D>::massAt] : 0.0;
-	for (int a = 0; a < D; ++a) {
-		f.momentumLeft[a] = (1.0 - motion.kept) * r[motion.momentumAt + a] + (rl ? (1.0 - water->kept) * rl[PoreWater<D>::momentumAt + a] : 0.0);
-		f.force[a]        = r[motion.forceAt + a];
-	}
-	folded_.push_back(f);
-}
-
 template <int D> void MomentumSolver<D>::applySymmetry(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt)
 {
 	using W = PoreWater<D>;
@@ -234,7 +215,7 @@ template <int D> void MomentumSolver<D>::applySymmetry(const ActiveRange& range,
 		if (!range.holds(m.inner)) continue;
 		double* ghost = motion.nodes[m.ghost];
 		double* inner = motion.nodes[m.inner];
-		if (m.moving >= 0) rememberFolded(int(k), motion, water);
+		if (m.moving >= 0) folded_.push_back({ recordOf(m.ghost, motion, water), int(k), {} });
 		const double mass = ghost[motion.massAt], moving = mass + (water && foldLiquid_[k] ? water->nodes[m.ghost][W::massAt] : 0.0);
 		inner[motion.massAt] += mass;
 		ghost[motion.massAt] = 0.0;
@@ -551,7 +532,8 @@ void MomentumSolver<D>::solve(
 	const double       dt     = step.dt;
 	StepLedger<D>&     ledger = step.ledger;
 	const bool         damped = motion.settings->localDamping > 0.0;
-	rememberWalls(range, motion, water);
+	for (std::size_t k = 0; k < wallNodes_.size(); ++k)
+		if (range.holds(wallNodes_[k])) walls_[k] = recordOf(wallNodes_[k], motion, water);
 	if (front) {
 		front->addGravity(motion.settings->gravity);
 		for (const Load& load : loads_)
@@ -682,7 +664,6 @@ void MomentumSolver<D>::correct(
 	});
 }
 
-template class MomentumSolver<2>;
-template class MomentumSolver<3>;
+TALIK_IN_PLANE_AND_SPACE(MomentumSolver);
 
 } // namespace talik

@@ -5,7 +5,7 @@
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/front/ThawFront.hpp>
-#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/StepContext.hpp>
 
 #include <functional>
@@ -112,18 +112,15 @@ private:
 		double                       endOf(int axis) const { return velocity[axis] + change[axis]; }
 	};
 	/// What lies behind a moving wall, as it is folded.
-	struct Folded {
+	struct Folded : WallRecord {
 		int    mirror;
-		double solidMass, liquidMass;
-		Vec<D> momentumLeft, force;
 		Vec<D> pushed; ///< force on the node in front, eq. (8.5) [N]
 	};
-	void rememberWalls(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>* water);
-	void applySymmetry(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt);
-	void applySymmetryToSolid(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
+	WallRecord recordOf(int node, const SolidMotion<D>& motion, const PoreWater<D>* water) const;
+	void       applySymmetry(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt);
+	void       applySymmetryToSolid(const typename MotionConstraints<D>::Mirror& m, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const;
 	template <bool Damped> void solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt);
 	template <bool Damped> void solveTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt);
-	void                        rememberFolded(int mirror, const SolidMotion<D>& motion, const PoreWater<D>* water);
 	/// Folds more force, and remembers what moving walls bear of it.
 	void foldMore(const ActiveRange& range, SolidMotion<D>& motion, NodeField<D>& force);
 	void unfoldMirrors(const ActiveRange& range, NodeField<D>& change) const;
@@ -154,8 +151,5 @@ private:
 	std::vector<Load>                                  loads_;
 	NodeField<D>                                       damping_; ///< force of local damping; allocated when damping is used
 };
-
-extern template class MomentumSolver<2>;
-extern template class MomentumSolver<3>;
 
 } // namespace talik

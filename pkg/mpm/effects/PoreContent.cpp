@@ -486,7 +486,6 @@ template <int D> std::string PoreContent<D>::whyImpossible(int p, const double* 
 	return text.str();
 }
 
-template class PoreContent<2>;
-template class PoreContent<3>;
+TALIK_IN_PLANE_AND_SPACE(PoreContent);
 
 } // namespace talik

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/ProcessorVersions.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
 
 namespace talik {
 
@@ -170,8 +170,5 @@ private:
 	double*                  lastVolume_   = nullptr; ///< of the last update, in the rate form of pressure only
 	double*                  lastWater_    = nullptr;
 };
-
-extern template class PoreContent<2>;
-extern template class PoreContent<3>;
 
 } // namespace talik

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/kernels/NodeLoops.hpp>
+#include <pkg/mpm/grid/NodeLoops.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -692,7 +692,6 @@ template <int D> void PoreWater<D>::bookSeepageWork(const ActiveRange& range, do
 		}
 }
 
-template class PoreWater<2>;
-template class PoreWater<3>;
+TALIK_IN_PLANE_AND_SPACE(PoreWater);
 
 } // namespace talik

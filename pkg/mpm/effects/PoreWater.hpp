@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/effects/NodeColumns.hpp>
-#include <pkg/mpm/grid/ActiveRange.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
-#include <pkg/mpm/grid/FreeSurface.hpp>
+#include <pkg/base/ProcessorVersions.hpp>
+#include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/grid/NodeColumns.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 #include <pkg/mpm/StepContext.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
 
@@ -269,8 +269,5 @@ private:
 	const double *               volume_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *temperature_ = nullptr;
 	std::vector<double>          none_; ///< zeros, in place of the fields of absent effects
 };
-
-extern template class PoreWater<2>;
-extern template class PoreWater<3>;
 
 } // namespace talik

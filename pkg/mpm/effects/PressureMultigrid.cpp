@@ -231,7 +231,6 @@ template <int D> void PressureMultigrid<D>::solve(const StepContext<D>& step, co
 	});
 }
 
-template class PressureMultigrid<2>;
-template class PressureMultigrid<3>;
+TALIK_IN_PLANE_AND_SPACE(PressureMultigrid);
 
 } // namespace talik

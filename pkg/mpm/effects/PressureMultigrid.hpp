@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/base/PagedArray.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
-#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/StepContext.hpp>
 
 #include <array>
@@ -71,8 +71,5 @@ private:
 	PagedArray<double> inverse_, smoothed_;
 	std::vector<Level> levels_;
 };
-
-extern template class PressureMultigrid<2>;
-extern template class PressureMultigrid<3>;
 
 } // namespace talik

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -454,7 +454,6 @@ template <int D> typename RigidContact<D>::Overlap RigidContact<D>::deepestOverl
 	return deepest;
 }
 
-template class RigidContact<2>;
-template class RigidContact<3>;
+TALIK_IN_PLANE_AND_SPACE(RigidContact);
 
 } // namespace talik

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
+#include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/front/ThawFront.hpp>
-#include <pkg/mpm/grid/FreeSurface.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
 #include <pkg/mpm/StepContext.hpp>
@@ -225,8 +225,5 @@ private:
 	std::vector<std::vector<int>>                      near_;          ///< per strip
 	NodeField<1>                                       faces_;         ///< area of bodies that nodes face [m^(D-1)]
 };
-
-extern template class RigidContact<2>;
-extern template class RigidContact<3>;
 
 } // namespace talik

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/kernels/NodeLoops.hpp>
-
-#include <algorithm>
+#include <pkg/mpm/grid/NodeLoops.hpp>
 
 namespace talik {
 
@@ -62,7 +60,6 @@ template <int D> void SolidMotion<D>::gather(const WeightBlock<D>& w, double dt,
 	nodeLoops<D>().gatherMotion(w, { solved[0], velocity, position, displacement, gradient, kept, dt, increment });
 }
 
-template class SolidMotion<2>;
-template class SolidMotion<3>;
+TALIK_IN_PLANE_AND_SPACE(SolidMotion);
 
 } // namespace talik

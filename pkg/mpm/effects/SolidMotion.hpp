@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/effects/NodeColumns.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
+#include <cmath>
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/grid/NodeColumns.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 namespace talik {
 
@@ -30,7 +30,7 @@ public:
 	void map(const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
 	/// Moves the weight of points that fill a cell from their middle to their upper and lower face, half to each, as far as stress carries it,
 	/// eq. (8.2b). liquidMass(place) [kg]; push(k, node, force): the same force on a side of the thaw front.
-	template <class LiquidMass, class Push> void mapWeight(const WeightBlock<D>& w, double spacing, LiquidMass&& liquidMass, Push&& push);
+	template <class LiquidMass, class Push> void mapWeight(const WeightBlock<D>& w, const Grid<D>& grid, LiquidMass&& liquidMass, Push&& push);
 	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes. increment, unless null: what the points gather
 	/// of column increment, where records Solved have one.
 	void gather(const WeightBlock<D>& w, double dt, double* increment = nullptr);
@@ -68,11 +68,11 @@ private:
 
 template <int D>
 template <class LiquidMass, class Push>
-void SolidMotion<D>::mapWeight(const WeightBlock<D>& w, double spacing, LiquidMass&& liquidMass, Push&& push)
+void SolidMotion<D>::mapWeight(const WeightBlock<D>& w, const Grid<D>& grid, LiquidMass&& liquidMass, Push&& push)
 {
-	const Vec<D>& b    = settings->gravity;
-	const int     n    = layerNormal<D>(b);
-	const double  cell = D == 2 ? spacing * spacing : spacing * spacing * spacing;
+	const Vec<D>& b       = settings->gravity;
+	const int     n       = layerNormal<D>(b);
+	const double  spacing = grid.spacing(), cell = grid.cellVolume();
 	for (int k = 0; k < w.count; ++k) {
 		const double curvature = -0.5 * spacing * spacing * w.slope[n][0][k] * w.slope[n][2][k];
 		if (!(curvature > 0.0)) continue; // in the middle of its cell
@@ -96,8 +96,5 @@ void SolidMotion<D>::mapWeight(const WeightBlock<D>& w, double spacing, LiquidMa
 		}
 	}
 }
-
-extern template class SolidMotion<2>;
-extern template class SolidMotion<3>;
 
 } // namespace talik

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/effects/StateDependentBoundaries.hpp>
-#include <pkg/mpm/grid/FreeSurface.hpp>
 
 #include <cstring>
 #include <stdexcept>
@@ -149,7 +149,6 @@ template <int D> void StateDependentBoundaries<D>::accelerate(MomentumSolver<D>&
 		if (item.boundary->accelerates()) momentum.accelerate(*item.boundary, item.shares, motion);
 }
 
-template class StateDependentBoundaries<2>;
-template class StateDependentBoundaries<3>;
+TALIK_IN_PLANE_AND_SPACE(StateDependentBoundaries);
 
 } // namespace talik

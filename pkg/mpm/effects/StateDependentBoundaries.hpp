@@ -3,9 +3,9 @@
 
 #include <pkg/mpm/boundary/Boundary.hpp>
 #include <pkg/mpm/StepContext.hpp>
+#include <string>
 
 #include <memory>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -56,8 +56,5 @@ private:
 	BoundaryNodes<D>  nodes_;   ///< what the present one sees
 	std::vector<int>  numbers_; ///< of these nodes on the grid
 };
-
-extern template class StateDependentBoundaries<2>;
-extern template class StateDependentBoundaries<3>;
 
 } // namespace talik

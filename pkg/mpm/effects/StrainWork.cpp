@@ -91,7 +91,6 @@ void StrainWork<D>::bookEnd(
 	if (water && share != 0.0) water->bookSeepageWork(step.owned, share, liquidDensity, step.ledger);
 }
 
-template class StrainWork<2>;
-template class StrainWork<3>;
+TALIK_IN_PLANE_AND_SPACE(StrainWork);
 
 } // namespace talik

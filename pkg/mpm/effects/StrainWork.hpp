@@ -3,7 +3,7 @@
 
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 #include <pkg/mpm/StepContext.hpp>
 
 namespace talik {
@@ -31,8 +31,5 @@ private:
 	TALIK_PROCESSOR_VERSIONS static double pressureWork(
 	        const MaterialPoints<D>& points, const SolidMotion<D>& motion, const double* pressure, const CellMeans<D>* means, int first, int last);
 };
-
-extern template class StrainWork<2>;
-extern template class StrainWork<3>;
 
 } // namespace talik

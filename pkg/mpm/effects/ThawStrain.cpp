@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/ThawStrain.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace talik {
 namespace {
 	template <int D> double expansionOfIce(const GroundSettings<D>& settings)
 	{
-		if (!settings.water || !settings.freezing || !settings.water->state.densityChange) return 0.0;
+		if (!settings.iceExpands()) return 0.0;
 		const MixtureProperties& m = settings.mixtureOf(0);
 		return std::max(0.0, 1.0 / m.ice.density - 1.0 / m.liquid.density);
 	}
@@ -180,7 +180,6 @@ template <int D> void ThawStrain<D>::close(const StepContext<D>& step, const Poi
 	}
 }
 
-template class ThawStrain<2>;
-template class ThawStrain<3>;
+TALIK_IN_PLANE_AND_SPACE(ThawStrain);
 
 } // namespace talik

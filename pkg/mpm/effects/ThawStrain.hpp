@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/base/PagedArray.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/points/PointsInMotion.hpp>
 #include <pkg/mpm/StepContext.hpp>
@@ -79,8 +79,5 @@ private:
 	std::vector<int>    ofSkeleton_, all_;
 	AddedStrain<D>      closed_;
 };
-
-extern template class ThawStrain<2>;
-extern template class ThawStrain<3>;
 
 } // namespace talik

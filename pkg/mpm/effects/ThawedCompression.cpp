@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/ThawedCompression.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -190,7 +190,6 @@ template <int D> std::string ThawedCompression<D>::fault(const std::string& law,
 	return text.str();
 }
 
-template class ThawedCompression<2>;
-template class ThawedCompression<3>;
+TALIK_IN_PLANE_AND_SPACE(ThawedCompression);
 
 } // namespace talik

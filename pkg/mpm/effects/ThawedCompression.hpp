@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
+#include <pkg/base/PagedArray.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/points/PointsInMotion.hpp>
 #include <pkg/mpm/StepContext.hpp>
@@ -84,8 +84,5 @@ private:
 	std::vector<int> ofSkeleton_, thawed_;
 	AddedStrain<D>   lost_;
 };
-
-extern template class ThawedCompression<2>;
-extern template class ThawedCompression<3>;
 
 } // namespace talik

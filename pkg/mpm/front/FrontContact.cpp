@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/mpm/front/FrontContact.hpp>
-#include <pkg/mpm/ThreadPool.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 namespace talik {
 
@@ -267,7 +266,6 @@ template <int D> void FrontContact<D>::solve(const StepContext<D>& step, const I
 	});
 }
 
-template class FrontContact<2>;
-template class FrontContact<3>;
+TALIK_IN_PLANE_AND_SPACE(FrontContact);
 
 } // namespace talik

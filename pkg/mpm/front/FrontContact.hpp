@@ -54,7 +54,4 @@ private:
 	std::vector<ContactNode<D>> contacts_;
 };
 
-extern template class FrontContact<2>;
-extern template class FrontContact<3>;
-
 } // namespace talik

@@ -164,7 +164,6 @@ template <int D> void FrontNodes<D>::exceptFromMeans(CellMeans<D>& cells, int fi
 		cells.leaveOut(p, near(p));
 }
 
-template class FrontNodes<2>;
-template class FrontNodes<3>;
+TALIK_IN_PLANE_AND_SPACE(FrontNodes);
 
 } // namespace talik

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <pkg/mpm/boundary/Boundary.hpp>
-#include <pkg/mpm/grid/ActiveRange.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/StepContext.hpp>
 
@@ -82,8 +82,5 @@ private:
 	std::vector<int>           rowStarts_;
 	std::vector<int>           chosen_;
 };
-
-extern template class FrontNodes<2>;
-extern template class FrontNodes<3>;
 
 } // namespace talik

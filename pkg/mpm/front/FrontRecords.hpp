@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/effects/NodeColumns.hpp>
-#include <pkg/mpm/kernels/NodeLoops.hpp>
+#include <pkg/mpm/grid/NodeColumns.hpp>
+#include <pkg/mpm/grid/NodeLoops.hpp>
 
 #include <vector>
 

@@ -192,7 +192,6 @@ template <int D> void FrontTransfer<D>::move(const Points& points, int p, double
 	}
 }
 
-template class FrontTransfer<2>;
-template class FrontTransfer<3>;
+TALIK_IN_PLANE_AND_SPACE(FrontTransfer);
 
 } // namespace talik

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/effects/AffineVelocity.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
 #include <pkg/mpm/front/FrontNodes.hpp>
 #include <pkg/mpm/front/FrontRecords.hpp>
-#include <pkg/mpm/points/AffineVelocity.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 
 #include <optional>
@@ -71,8 +71,5 @@ private:
 	PagedArray<double>   friction_, cohesion_; ///< by place, of thawed points near the front [-], [Pa]
 	PagedArray<double>   mappedLiquid_;        ///< by place, liquid mass of points near the front when it was mapped [kg]
 };
-
-extern template class FrontTransfer<2>;
-extern template class FrontTransfer<3>;
 
 } // namespace talik

@@ -123,7 +123,6 @@ void FrontWalls<D>::leadWalls(
 	}
 }
 
-template class FrontWalls<2>;
-template class FrontWalls<3>;
+TALIK_IN_PLANE_AND_SPACE(FrontWalls);
 
 } // namespace talik

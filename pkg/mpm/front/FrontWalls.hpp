@@ -28,7 +28,4 @@ private:
 	std::vector<std::array<double, 4>> folded_; ///< by mirror: masses that went from a ghost to its image, frozen, thawed, and their liquids [kg]
 };
 
-extern template class FrontWalls<2>;
-extern template class FrontWalls<3>;
-
 } // namespace talik

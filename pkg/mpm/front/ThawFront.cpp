@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/front/ThawFront.hpp>
-#include <pkg/thm/Errors.hpp>
-
-#include <cmath>
 
 namespace talik {
 
@@ -48,7 +46,6 @@ template <int D>
 void ThawFront<D>::solve(
         const StepContext<D>& step, const SolidMotion<D>& motion, const PoreWater<D>* water, const MotionConstraints<D>& constraints, const Mirrors& mirrors)
 {
-	fastest_ = 0.0;
 	if (!present()) return;
 	walls_.applySymmetry(step, nodes_, mirrors, records_);
 	walls_.pushAhead(step, nodes_, mirrors, motion, records_);
@@ -57,20 +54,8 @@ void ThawFront<D>::solve(
 	walls_.unfold(step, nodes_, mirrors, records_);
 	for (int slot = 0; slot < nodes_.count(); ++slot)
 		step.ledger.ofNode(nodes_.node(slot)).slipWork += work_[slot];
-	findFastest();
 }
 
-template <int D> void ThawFront<D>::findFastest()
-{
-	for (int slot = 0; slot < nodes_.count(); ++slot)
-		for (int side = 0; side < 2; ++side)
-			for (int a = 0; a < D; ++a) {
-				const double v = records_.answer(slot)[side * FrontRecords<D>::sideSize + FrontRecords<D>::velocityAt + a];
-				fastest_       = std::abs(v) <= fastest_ ? fastest_ : std::abs(v); // keeps what is not a number
-			}
-}
-
-template class ThawFront<2>;
-template class ThawFront<3>;
+TALIK_IN_PLANE_AND_SPACE(ThawFront);
 
 } // namespace talik

@@ -70,14 +70,10 @@ public:
 	{
 		transfer_.gather(step, w, points, affine);
 	}
-	/// Largest correction of a velocity at the front nodes, along any axis [m/s].
-	double fastest() const { return fastest_; }
 	/// Correction of the velocity [m/s] with which a point of the given place moves at a node; null for none.
 	const double* correction(int node, int place) const { return transfer_.correction(node, place); }
 
 private:
-	void findFastest();
-
 	PointFields::Handle sideField_, slipField_;
 	FrontNodes<D>       nodes_;
 	FrontRecords<D>     records_;
@@ -86,10 +82,6 @@ private:
 	FrontWalls<D>       walls_;
 	std::vector<double> work_; ///< by slot, taken up by the force between the sides in the step [J]
 	FrontConstants      constants_;
-	double              fastest_ = 0.0;
 };
-
-extern template class ThawFront<2>;
-extern template class ThawFront<3>;
 
 } // namespace talik

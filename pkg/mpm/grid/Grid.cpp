@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
-#include <pkg/thm/Errors.hpp>
-
-#include <algorithm>
-#include <numeric>
 
 namespace talik {
 
@@ -70,14 +67,6 @@ template <int D> int Grid<D>::nodeIndex(const std::array<int, D>& node) const
 	return index;
 }
 
-template <int D> int Grid<D>::cellIndex(const std::array<int, D>& cell) const
-{
-	int index = 0;
-	for (int a = 0; a < D; ++a)
-		index += cell[a] * cellStride_[a];
-	return index;
-}
-
 template <int D> std::array<int, D> Grid<D>::nodeOf(int index) const
 {
 	std::array<int, D> node;
@@ -119,7 +108,6 @@ template <int D> bool Grid<D>::contains(const Vec<D>& x) const
 	return true;
 }
 
-template class Grid<2>;
-template class Grid<3>;
+TALIK_IN_PLANE_AND_SPACE(Grid);
 
 } // namespace talik

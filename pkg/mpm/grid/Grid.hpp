@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/PagedArray.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
-#include <pkg/mpm/PagedArray.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -73,7 +73,6 @@ public:
 	double nodePosition(int axis, int node) const { return lower_[axis] + (node - 1) * spacing_; }
 
 	int                nodeIndex(const std::array<int, D>& node) const;
-	int                cellIndex(const std::array<int, D>& cell) const;
 	std::array<int, D> nodeOf(int index) const;
 
 	bool contains(const Vec<D>& x) const;

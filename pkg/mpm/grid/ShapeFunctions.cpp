@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
+#include <pkg/base/ProcessorVersions.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
-#include <pkg/thm/Errors.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 namespace talik {
@@ -114,32 +113,6 @@ namespace {
 		static constexpr double halfWidth = 0.25;
 	};
 
-	/// Hat functions; points make noise when they cross cells: for debugging.
-	template <int D> class Linear final : public ShapeFunction<D> {
-	public:
-		std::string name() const override { return "linear"; }
-		// none at the nodes, where masses vanish: this one holds for points at least a fifteenth of a cell away from them
-		double steepness() const override { return 16.0; }
-
-	protected:
-		void along(const Grid<D>& grid, int axis, const double* x, int count, WeightBlock<D>& w) const override
-		{
-			const double inverse = grid.inverseSpacing();
-			for (int k = 0; k < count; ++k) {
-				const double s    = grid.nodeCoordinate(axis, x[k]);
-				const int    node = std::fmin(s, grid.cells(axis));
-				const double f    = s - node;
-				w.base[k] += node * grid.nodeStride(axis);
-				w.value[axis][0][k] = 1.0 - f;
-				w.value[axis][1][k] = f;
-				w.value[axis][2][k] = 0.0;
-				w.slope[axis][0][k] = -inverse;
-				w.slope[axis][1][k] = inverse;
-				w.slope[axis][2][k] = 0.0;
-			}
-		}
-	};
-
 	template <int D> using Make = std::unique_ptr<ShapeFunction<D>> (*)();
 	template <int D, class Shape> std::unique_ptr<ShapeFunction<D>> make() { return std::make_unique<Shape>(); }
 
@@ -148,7 +121,6 @@ namespace {
 		static const std::vector<std::pair<const char*, Make<D>>> entries {
 			{ "quadraticBSpline", &make<D, QuadraticBSpline<D>> },
 			{ "gimp", &make<D, Gimp<D>> },
-			{ "linear", &make<D, Linear<D>> },
 		};
 		return entries;
 	}
@@ -198,8 +170,7 @@ template <int D> void ShapeFunction<D>::moveToFace(const Grid<D>& grid, const Ve
 	}
 }
 
-template class ShapeFunction<2>;
-template class ShapeFunction<3>;
+TALIK_IN_PLANE_AND_SPACE(ShapeFunction);
 
 template std::unique_ptr<ShapeFunction<2>> makeShapeFunction<2>(const std::string&);
 template std::unique_ptr<ShapeFunction<3>> makeShapeFunction<3>(const std::string&);

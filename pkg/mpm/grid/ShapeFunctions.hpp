@@ -68,14 +68,10 @@ protected:
 	/// What the value of an outer node at a face has beyond value and slope of the middle [-]; the middle node has twice the opposite.
 	/// slope: of the three nodes, per cell; width: of a point [cells]. Vanishes with the slope of either outer node, and as fast: nodes
 	/// that hardly feel the points hardly feel the face.
-	virtual double faceCurvature(const double (&slope)[supportNodes], double width) const
-	{
-		(void)slope, (void)width;
-		return 0.0;
-	}
+	virtual double faceCurvature(const double (&slope)[supportNodes], double width) const = 0;
 };
 
-/// "quadraticBSpline" (default), "gimp" (uniform, points a quarter of a cell in half-width), "linear" (debugging only).
+/// "quadraticBSpline" (default), "gimp" (uniform, points a quarter of a cell in half-width).
 std::vector<std::string> shapeFunctionNames();
 
 /// Throws std::invalid_argument for an unknown name.

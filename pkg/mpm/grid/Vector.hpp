@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <pkg/base/Dimensions.hpp>
 
 namespace talik {
 

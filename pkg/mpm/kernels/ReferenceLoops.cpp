@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/grid/NodeLoops.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
-#include <pkg/mpm/kernels/NodeLoops.hpp>
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <hwy/highway.h>
-#include <pkg/mpm/kernels/NodeLoops.hpp>
+#include <pkg/mpm/grid/NodeLoops.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace talik {

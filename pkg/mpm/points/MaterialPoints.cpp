@@ -243,7 +243,6 @@ template <int D> void MaterialPoints<D>::idsRestored()
 	++order_;
 }
 
-template class MaterialPoints<2>;
-template class MaterialPoints<3>;
+TALIK_IN_PLANE_AND_SPACE(MaterialPoints);
 
 } // namespace talik

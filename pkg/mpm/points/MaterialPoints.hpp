@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
 #include <pkg/mpm/points/SlabDecomposition.hpp>
-#include <pkg/mpm/ThreadPool.hpp>
+#include <string>
 
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <string>
 #include <vector>
 
 namespace talik {
@@ -128,7 +128,7 @@ public:
 	/// Sorts the points (stable) and cuts them into strips. In the plane the points of a cell follow each other, in space those with the
 	/// same support.
 	void sort(const Grid<D>& grid);
-	/// The same for the points of all ranks, each of which has those of its band; cost: of each since the last cut, by place. cut() takes the
+	/// The same for the points of all ranks, each of which has those of its slab; cost: of each since the last cut, by place. cut() takes the
 	/// new strips. Points whose strip belongs to another rank then go there with all that they have. Collective.
 	void sortInSlabs(const Grid<D>& grid, SlabDecomposition& slabs, const double* cost, const std::function<void()>& cut);
 	/// How often the points were sorted: caches of places are valid as long as it stands.
@@ -151,8 +151,5 @@ private:
 	Strips                     strips_;
 	long                       order_ = 0;
 };
-
-extern template class MaterialPoints<2>;
-extern template class MaterialPoints<3>;
 
 } // namespace talik

@@ -2,7 +2,6 @@
 #include <pkg/mpm/points/PointFields.hpp>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <stdexcept>

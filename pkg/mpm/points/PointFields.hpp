@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/base/PagedArray.hpp>
 
 #include <cstddef>
 #include <string>

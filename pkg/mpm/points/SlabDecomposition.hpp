@@ -60,8 +60,8 @@ private:
 	}
 };
 
-/// Strips of the ground shared out among ranks: each has a band of consecutive strips and does what is to be done for the points in them, and
-/// at the nodes and cells that these reach. Numbers of nodes, cells and points are those of the whole ground. Only the band's own points are
+/// Strips of the ground shared out among ranks: each has a slab of consecutive strips and does what is to be done for the points in them, and
+/// at the nodes and cells that these reach. Numbers of nodes, cells and points are those of the whole ground. Only the slab's own points are
 /// current until they are gathered.
 ///
 /// A sum at a node has the order that it has on one rank, even strips first, then odd ones: where two slabs meet, the rank of the even strip
@@ -76,7 +76,7 @@ public:
 	struct Part {
 		int firstNode, endNode, firstCell, endCell;
 	};
-	/// A band has as many strips at least: the rows that its neighbours want to know are then its own.
+	/// A slab has as many strips at least: the rows that its neighbours want to know are then its own.
 	static constexpr int leastStrips = 2;
 
 	SlabDecomposition(std::shared_ptr<Communicator> communicator, std::function<std::string(const std::string&)> answer);
@@ -95,7 +95,7 @@ public:
 	int  endStrip() const { return strips_[rank() + 1]; }
 	int  firstPoint() const { return points_[rank()]; }
 	int  endPoint() const { return points_[rank() + 1]; }
-	/// Rows that the points of the band touch; beyond: and as many more as are needed to solve there.
+	/// Rows that the points of the slab touch; beyond: and as many more as are needed to solve there.
 	Part touched(bool beyond) const;
 
 	/// To be filled before handOver(), complete() empties it.
@@ -130,7 +130,7 @@ public:
 			sums[k % n] += all[k];
 		return sums;
 	}
-	/// The rank whose band has a strip.
+	/// The rank whose slab has a strip.
 	int rankOf(int strip) const;
 	/// Combined bits of all ranks.
 	unsigned anyOf(unsigned bits);
@@ -156,17 +156,17 @@ public:
 	bool has(int place) const { return allCurrent || (place >= firstPoint() && place < endPoint()); }
 	/// The points of other slabs are current too.
 	bool allCurrent = true;
-	/// Points of the band of a rank.
+	/// Points of the slab of a rank.
 	std::pair<int, int> pointsOf(int rank) const { return { points_[rank], points_[rank + 1] }; }
 
 private:
-	/// Where the band of this rank meets the next one.
+	/// Where the slab of this rank meets the next one.
 	struct Interface {
-		int  neighbour, row; ///< rank of the other band, and the first row of cells of the upper one
-		bool upper, even;    ///< this band is the upper one; its strip here is an even one
+		int  neighbour, row; ///< rank of the other slab, and the first row of cells of the upper one
+		bool upper, even;    ///< this slab is the upper one; its strip here is an even one
 	};
 	template <class Work> void overInterfaces(Work&& work) const;
-	/// First strip of each band, and the end, of slabs that cost alike as far as whole strips allow; before: cost of the strips before each.
+	/// First strip of each slab, and the end, of slabs that cost alike as far as whole strips allow; before: cost of the strips before each.
 	std::vector<int> fairly(const std::vector<double>& before) const;
 	/// Numbers of an array before a row.
 	std::size_t before(const HaloExchange::Array& array, int row) const;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/skeleton/BinghamSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/ShearStress.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <cmath>
 
@@ -53,7 +53,6 @@ template <int D> void BinghamSkeleton<D>::tangentModulus(const SkeletonBatch<D>&
 		modulus[b.place[k]] = m;
 }
 
-template class BinghamSkeleton<2>;
-template class BinghamSkeleton<3>;
+TALIK_IN_PLANE_AND_SPACE(BinghamSkeleton);
 
 } // namespace talik

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/ParameterList.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
-#include <pkg/thm/ParameterList.hpp>
 
 /// Parameters of BinghamSkeleton, for the model and for the class that a script sees.
 // clang-format off

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/skeleton/CreepingSkeleton.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
 #include <pkg/mpm/skeleton/ShearStress.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <cmath>
 
@@ -63,7 +63,6 @@ template <int D> void CreepingSkeleton<D>::tangentModulus(const SkeletonBatch<D>
 		modulus[b.place[k]] = m;
 }
 
-template class CreepingSkeleton<2>;
-template class CreepingSkeleton<3>;
+TALIK_IN_PLANE_AND_SPACE(CreepingSkeleton);
 
 } // namespace talik

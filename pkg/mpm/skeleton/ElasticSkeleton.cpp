@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/skeleton/ElasticSkeleton.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <cmath>
 
@@ -24,7 +24,6 @@ template <int D> void ElasticSkeleton<D>::tangentModulus(const SkeletonBatch<D>&
 		modulus[b.place[k]] = m;
 }
 
-template class ElasticSkeleton<2>;
-template class ElasticSkeleton<3>;
+TALIK_IN_PLANE_AND_SPACE(ElasticSkeleton);
 
 } // namespace talik

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/ParameterList.hpp>
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
-#include <pkg/mpm/ThreadPool.hpp>
-#include <pkg/thm/ParameterList.hpp>
 
 #include <algorithm>
 

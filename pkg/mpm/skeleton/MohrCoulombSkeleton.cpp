@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
-#include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombSkeleton.hpp>
-#include <pkg/mpm/ThreadPool.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 
@@ -391,7 +390,6 @@ template <int D> void MohrCoulombSkeleton<D>::tangentModulus(const SkeletonBatch
 		modulus[b.place[k]] = unit * at(b.iceSaturation ? b.iceSaturation[b.place[k]] : 0.0).young;
 }
 
-template class MohrCoulombSkeleton<2>;
-template class MohrCoulombSkeleton<3>;
+TALIK_IN_PLANE_AND_SPACE(MohrCoulombSkeleton);
 
 } // namespace talik

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/ParameterList.hpp>
+#include <pkg/base/ProcessorVersions.hpp>
 #include <pkg/mpm/skeleton/MohrCoulombReturn.hpp>
 #include <pkg/mpm/skeleton/PrincipalStresses.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
-#include <pkg/thm/ParameterList.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/ProcessorVersions.hpp>
 #include <pkg/mpm/skeleton/PrincipalStresses.hpp>
-#include <pkg/thm/ProcessorVersions.hpp>
 
 namespace talik {
 

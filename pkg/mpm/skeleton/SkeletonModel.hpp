@@ -84,7 +84,7 @@ public:
 	/// In a ground in slabs, when they were cut: by the ids of the points of all ranks in the order of places it knows whose they are. What it
 	/// keeps behind points goes with them to their rank. moved: false where all ranks have the same, or what they have is replaced next; true in
 	/// a run, and then collective.
-	virtual void followBands(SlabDecomposition&, const int* ids, bool moved)
+	virtual void followSlabs(SlabDecomposition&, const int* ids, bool moved)
 	{
 		(void)ids;
 		(void)moved;

@@ -84,7 +84,6 @@ template <int D> void SkeletonSet<D>::updateByStrips(const StepContext<D>& step,
 	if (!words.empty()) throw std::runtime_error(words);
 }
 
-template class SkeletonSet<2>;
-template class SkeletonSet<3>;
+TALIK_IN_PLANE_AND_SPACE(SkeletonSet);
 
 } // namespace talik

@@ -47,7 +47,4 @@ private:
 	std::vector<char>             used_; ///< the law has points, on any rank
 };
 
-extern template class SkeletonSet<2>;
-extern template class SkeletonSet<3>;
-
 } // namespace talik

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
 #include <core/TimeStepper.hpp>
+#include <pkg/base/Errors.hpp>
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/multiscale/bodies/BodyContact.hpp>
 #include <pkg/python/ScriptValues.hpp>
-#include <pkg/thm/Errors.hpp>
 
 namespace yade {
 YADE_PLUGIN((BodyContact));

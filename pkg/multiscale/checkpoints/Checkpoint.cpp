@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
 #include <lib/factory/ClassFactory.hpp>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/multiscale/checkpoints/Checkpoint.hpp>
 #include <pkg/multiscale/checkpoints/CheckpointParts.hpp>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/python/ScriptValues.hpp>
 #include <pkg/python/StepGate.hpp>
 #include <pkg/ranks/Communicator.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/multiscale/checkpoints/CheckpointParts.hpp>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/engine/MpmEngine.hpp>
 #include <pkg/ranks/Communicator.hpp>
 
@@ -62,7 +62,7 @@ void MpmEngine::preSave(MpmEngine&)
 	const auto& events = ground->endedEvents();
 	writer.block(string(reinterpret_cast<const char*>(events.data()), events.size() * sizeof(talik::MotionEvent)));
 	for (const auto& law : activeSkeletons())
-		writer.block(beside ? law->savedBeside(*beside) : law->savedState());
+		writer.block(law->saved(beside));
 	saved = beside ? besideMark + std::to_string(beside->add(writer.bytes())) + " " + std::to_string(writer.bytes().size())
 	               : talik::toBase64(writer.bytes());
 }
@@ -112,8 +112,7 @@ void MpmEngine::restoreSavedState()
 	if (beside) ground->readPoints(*parts.file, placeOfPoints);
 	else ground->stateRestored();
 	for (const auto& law : activeSkeletons())
-		if (beside) law->restoreBeside(reader.block(), parts);
-		else law->restoreState(reader.block());
+		law->restore(reader.block(), beside ? &parts : nullptr);
 	saved.clear();
 	parts = {};
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/base/Errors.hpp>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/engine/MpmEngine.hpp>
 #include <pkg/python/PythonFunction.hpp>
 #include <pkg/ranks/Communicator.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <boost/python/stl_iterator.hpp>
 #include <iomanip>
@@ -318,23 +318,19 @@ void MpmEngine::say(const string& sentence)
 	if (said.insert(sentence).second && talik::isFirstRank()) std::cerr << sentence << std::endl;
 }
 
-/// What the laws keep behind points is shared out among the ranks of the job, if there are several.
+/// Laws learn what the ranks of the job divide.
 void MpmEngine::shareAmongRanks()
 {
-	if (distribute != "automatic" && distribute != "samples" && distribute != "ground" && distribute != "none")
-		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, samples, ground or none.");
-	const auto& communicator = talik::jobCommunicator();
-	const auto  what         = distribute == "ground"        ? SkeletonLaw::Shared::ground
-	                 : !communicator || distribute == "none" ? SkeletonLaw::Shared::nothing
-	                                                         : SkeletonLaw::Shared::samples;
-	samplesToShare           = false;
+	if (distribute != "automatic" && distribute != "ground" && distribute != "none")
+		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, ground (with the samples of its points) or none.");
+	worthSlabs = false;
 	if (motion)
 		for (const auto& law : activeSkeletons())
-			samplesToShare = (law && law->shareAmongRanks(what)) || samplesToShare;
-	if (communicator && distribute == "ground" && !notInSlabs().empty())
+			worthSlabs = (law && law->shareAmongRanks(distribute)) || worthSlabs;
+	if (talik::jobCommunicator() && distribute == "ground" && !notInSlabs().empty())
 		throw std::invalid_argument(
 		        "MpmEngine.distribute is 'ground', and this ground has " + notInSlabs()
-		        + ", which slab decomposition does not support: choose samples or none.");
+		        + ", which slab decomposition does not support: choose automatic or none.");
 }
 
 /// What this ground has that slabs do not serve.
@@ -348,12 +344,12 @@ string MpmEngine::notInSlabs() const
 	return "";
 }
 
-/// Each rank computes a band of this ground, if nothing in it forbids that.
+/// Each rank computes a slab of this ground, if nothing in it forbids that.
 bool MpmEngine::mayBeInSlabs() const
 {
 	constexpr int worthwhile = 100000; // points
 	if (!talik::jobCommunicator()) return false;
-	return distribute == "ground" || (distribute == "automatic" && !samplesToShare && notInSlabs().empty() && pointCount() >= worthwhile);
+	return distribute == "ground" || (distribute == "automatic" && notInSlabs().empty() && (worthSlabs || pointCount() >= worthwhile));
 }
 
 void MpmEngine::sayHowRanksShare()
@@ -361,15 +357,14 @@ void MpmEngine::sayHowRanksShare()
 	const auto& communicator = talik::jobCommunicator();
 	if (!communicator) return;
 	const string ranks = "Talik: " + std::to_string(communicator->count()) + " ranks ";
-	if (ground->inBands()) say(ranks + "share out the strips of this ground (MpmEngine.distribute).");
-	else if (samplesToShare && distribute != "none") say(ranks + "share out the samples of this ground (MpmEngine.distribute).");
-	else say(ranks + "each compute all of this ground, which takes as long as on one" + (samplesToShare ? "." : ": it has no samples to share out."));
+	if (ground->inSlabs()) say(ranks + "share out the strips of this ground (MpmEngine.distribute).");
+	else say(ranks + "each compute all of this ground, which takes as long as on one; see MpmEngine.distribute.");
 }
 
 /// Ranks that look at this ground alone see it as it was before all change it.
 void MpmEngine::meetBefore(const string& change) const
 {
-	if (talik::jobCommunicator() && (samplesToShare || ground->inBands())) talik::jobCommunicator()->meet(change);
+	if (talik::jobCommunicator() && ground->inSlabs()) talik::jobCommunicator()->meet(change);
 }
 
 /// Ranks whose ground drifts apart, as it does on different processors, stop. Ranks of slabs have no points in common: what they owe each other
@@ -380,7 +375,7 @@ void MpmEngine::compareRanks()
 	if (!talik::jobCommunicator() || ground->steps() < nextComparison) return;
 	nextComparison = ground->steps() + interval;
 	talik::Digest digest;
-	if (ground->inBands()) {
+	if (ground->inSlabs()) {
 		const double times[] = { ground->time(), ground->calendar().time, stableStep };
 		digest.add(times, sizeof times);
 		if (bodies) digest.add(bodies->pending.data(), bodies->pending.size() * sizeof(Real));
@@ -620,7 +615,7 @@ void MpmEngine::stepGround()
 	else advanceAlone(newLimit);
 	compareRanks();
 	// once in a run; slabs would hand each other their points for it, and look more seldom
-	if (segregation && newLimit && !said.count(lenses) && (!ground->inBands() || ground->steps() % 1000 == 0)) {
+	if (segregation && newLimit && !said.count(lenses) && (!ground->inSlabs() || ground->steps() % 1000 == 0)) {
 		const string sentence = lensThatParts(*ground, pointCount(), gridSpacing);
 		if (!sentence.empty()) said.insert(lenses);
 		if (!sentence.empty()) say(sentence);

@@ -154,8 +154,8 @@ private:
 	double                         stableStep       = 0;
 	double                         toleranceInForce = 0;
 	string                         distributeInForce;
-	bool                           samplesToShare = false; ///< between the ranks of the job
-	talik::CheckpointParts::Source parts;                  ///< of a state that was read and has not begun
+	bool                           worthSlabs = false; ///< however small the ground is
+	talik::CheckpointParts::Source parts;              ///< of a state that was read and has not begun
 
 public:
 	// clang-format off
@@ -175,7 +175,7 @@ public:
 		((Real,damping,0,,"Local non-viscous damping of the mixture force [-], 0 to below 1: 0.3 to 0.7 to reach equilibrium, 0 to 0.05 in failure. May be changed "
 				"while running."))
 		((string,transfer,"flip",,"How points get the velocity of the solid from the grid. flip: they keep their velocity and add the grid's acceleration; apic: "
-				"they take the grid's velocity and its first moment, which conserves angular momentum to round-off (not with shapeFunction='linear'); tpic: the grid's "
+				"they take the grid's velocity and its first moment, which conserves angular momentum to round-off; tpic: the grid's "
 				"velocity and its gradient. apic and tpic add the field affineVelocity [1/s], zero at the start. picTime sets how fast the difference to the grid's "
 				"velocity decays; water has its own, PoreWater.picTime."))
 		((Real,picTime,NaN,,"Time in which the difference between a point's velocity and that of the grid decays [s], >= 0: in each step the fraction "
@@ -188,8 +188,7 @@ public:
 		((bool,balanceStart,false,,"At the start the stress of points, as layers.fill gives it, changes by the least with which the ground rests, as it is made "
 				"of points and nodes. The stress of a continuum is off by some per cent of the weight near surfaces. For laws, not samples; needs ground that "
 				"boundaries hold."))
-		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, gimp (uniform, points a quarter of a cell in half-width) or "
-				"linear (debugging only)."))
+		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, or gimp (uniform, points a quarter of a cell in half-width)."))
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
 		((vector<shared_ptr<GroundMaterial>>,materials,,,"Materials of a ground of several soils, in place of material; addPoints(material=i), or its name, says "
 				"which a point has."))
@@ -211,7 +210,7 @@ public:
 		((bool,automaticTimeStep,true,,"Set O.dt to the stable time step; otherwise O.dt is kept and divided into sub-steps where it exceeds the limit. Of several "
 				"grounds in O.engines the first sets it, to the smallest of their steps. May be changed while running."))
 		((Real,courantNumber,0.4,,"Courant number: time step over h/(c+|v|) [-], in (0,1]; lowered to what is stable wherever the points lie: 0.408 with "
-				"quadraticBSpline, 0.327 with gimp, 0.25 with linear, for which none is quite safe. May be changed while running."))
+				"quadraticBSpline, 0.327 with gimp. May be changed while running."))
 		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]. May be changed while running."))
 		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]. May be changed while running."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
@@ -220,12 +219,11 @@ public:
 				"estimatedError. 0: those attributes count. From 1e-4 to 0.5. May be changed while running, but not to or from 0. Needs packed samples."))
 		((Real,stopAtDay,std::numeric_limits<Real>::infinity(),,"O stops once, after the step in which the calendar reaches this day [d], as at O.stopAtTime. "
 				"May be changed while running."))
-		((string,distribute,"automatic",,"What the ranks of mpirun divide; results are identical to those of one rank. samples: each sample of RveSkeleton "
-				"is owned by one rank; every rank computes the whole ground. ground: slab decomposition; each rank owns a slab of at least two strips of four rows of "
-				"cells, with its samples, and exchanges halo rows with its neighbours; slabs follow the cost of points and samples. Samples have to be packed; a law in "
-				"Python is called for the points of one strip after the other. Bodies of YADE are on all ranks. none: every "
-				"rank computes everything. automatic: samples if there are any; ground from 100 000 points on if there are no samples and no law in Python; else none, "
-				"with a message. Without mpirun it affects only laws in Python."))
+		((string,distribute,"automatic",,"What the ranks of mpirun divide; results are identical to those of one rank. ground: slab decomposition; each "
+				"rank owns a slab of at least two strips of four rows of cells, with its samples, and exchanges halo rows with its neighbours; slabs follow the "
+				"cost of points and samples. Samples have to be packed; a law in Python is called for the points of one strip after the other. Bodies of YADE are "
+				"on all ranks. none: every rank computes everything. automatic: ground if there are packed samples or 100 000 points, no law in Python, no "
+				"PeriodicBoundary and strips enough; else none, with a message. Without mpirun it affects only laws in Python."))
 		((bool,energyLedger,false,,"Compute the balance of mechanical work and dissipation, see balance()."))
 		((bool,resting,true,,"Effects in equilibrium are skipped until something changes: heat in ground of one temperature that no boundary or source changes, "
 				"seepage of water that nowhere moves through the skeleton. False: they are always computed; results are identical. May be changed while running."))

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/multiscale/engine/PointTable.hpp>
 #include <pkg/python/ScriptValues.hpp>
 

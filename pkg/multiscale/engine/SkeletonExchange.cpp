@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/multiscale/engine/MpmEngine.hpp>
 
 #include <algorithm>
@@ -121,7 +121,7 @@ void MpmEngine::takeOver(const Laws& before, const std::map<string, string>& sta
 	const auto     isOld = [&](const shared_ptr<SkeletonLaw>& law) { return std::count(before.begin(), before.end(), law) > 0; };
 	vector<string> histories;
 	for (const auto& law : skeletons)
-		histories.push_back(isOld(law) ? law->savedState() : "");
+		histories.push_back(isOld(law) ? law->saved(nullptr) : "");
 	const auto steps = std::make_pair(stableStep, stepsUntilLimit);
 	dropGround();
 	initialise();
@@ -133,7 +133,7 @@ void MpmEngine::takeOver(const Laws& before, const std::map<string, string>& sta
 	ground->stateRestored();
 	for (std::size_t k = 0; k < skeletons.size(); ++k) {
 		if (isOld(skeletons[k])) {
-			skeletons[k]->restoreState(histories[k]);
+			skeletons[k]->restore(histories[k], nullptr);
 			skeletons[k]->keepOnly(ground->skeletonPoints(int(k)));
 		} else ground->startSkeleton(int(k));
 	}

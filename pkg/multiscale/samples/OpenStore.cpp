@@ -246,7 +246,6 @@ template <int Dim> void OpenStore<Dim>::resize(std::size_t count)
 	samples.resize(count);
 }
 
-template class OpenStore<2>;
-template class OpenStore<3>;
+TALIK_IN_PLANE_AND_SPACE(OpenStore);
 
 } // namespace talik

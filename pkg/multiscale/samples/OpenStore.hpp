@@ -27,7 +27,6 @@ public:
 	double                               costOfStep(std::size_t) const override;
 	void                                 saveState(ByteWriter&, std::size_t sample) const override;
 	void                                 restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
-	bool                                 restoresExactly() const override { return false; } ///< archives of YADE are exact to some 1e-12
 	void                                 resize(std::size_t samples) override;
 
 	/// A copy of the scene behind a point.

@@ -155,7 +155,6 @@ template <int Dim> void PackedStore<Dim>::resize(std::size_t samples)
 		pool.add(blank);
 }
 
-template class PackedStore<2>;
-template class PackedStore<3>;
+TALIK_IN_PLANE_AND_SPACE(PackedStore);
 
 } // namespace talik

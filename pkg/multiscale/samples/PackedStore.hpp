@@ -27,7 +27,6 @@ public:
 	double                               costOfStep(std::size_t sample) const override { return double(pool.bytes(sample)); }
 	void                                 saveState(ByteWriter&, std::size_t sample) const override;
 	void                                 restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
-	bool                                 restoresExactly() const override { return true; }
 	void                                 resize(std::size_t samples) override;
 
 	/// See SamplePool.

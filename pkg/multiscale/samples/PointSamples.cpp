@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/base/Errors.hpp>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/multiscale/samples/PointSamples.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <stdexcept>
 
 namespace talik {
 namespace {
-	const char archiveMagic[] = "talik samples 4", besideMagic[] = "talik samples 4 beside";
+	const char archiveMagic[] = "talik samples 5";
 
 	/// Saturation tolerance over that of the error: the modulus grows sixfold on freezing, in part without effect on stress.
 	constexpr double saturationShare = 1. / 3;
@@ -93,23 +93,16 @@ void PointSamples::keepOnly(const SkeletonPoints& batch)
 std::string PointSamples::save() const
 {
 	ByteWriter writer;
-	writer.block(archiveMagic);
-	anyStore->save(writer);
-	saveBooks(writer);
+	writer.block(saveBeside(anyStore->layout()));
+	writer.block(anyStore->states());
 	return writer.bytes();
 }
 
 std::string PointSamples::saveBeside(const SampleStore::Layout& layout) const
 {
 	ByteWriter writer;
-	writer.block(besideMagic);
+	writer.block(archiveMagic);
 	layout.save(writer);
-	saveBooks(writer);
-	return writer.bytes();
-}
-
-void PointSamples::saveBooks(ByteWriter& writer) const
-{
 	writer.number(sampleOf.size());
 	for (const int s : sampleOf)
 		writer.number(std::uint64_t(s + 1));
@@ -125,44 +118,29 @@ void PointSamples::saveBooks(ByteWriter& writer) const
 	for (const int id : changed)
 		writer.number(std::uint64_t(id));
 	if (accuracy) accuracy->save(writer);
+	return writer.bytes();
 }
-
-namespace {
-	void requireMagic(ByteReader& reader, const char* magic)
-	{
-		if (reader.block() != magic)
-			throw std::runtime_error(
-			        "RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
-	}
-} // namespace
 
 void PointSamples::restore(const std::string& bytes)
 {
-	ByteReader reader(bytes);
-	requireMagic(reader, archiveMagic);
-	ByteReader states = reader; // which are restored when it is known who has which
-	SampleStore::skip(reader);
-	restoreNumbers(reader);
-	anyStore->restore(states);
-	restoreBooks(reader);
+	ByteReader        reader(bytes);
+	const std::string beside = reader.block(), states = reader.block();
+	restoreBeside(beside, [&](std::uint64_t at, std::uint64_t length) { return states.substr(at, length); });
 }
 
-void PointSamples::restoreBeside(const std::string& bytes, const PartedFile& file, std::uint64_t at)
+void PointSamples::restoreBeside(const std::string& bytes, const std::function<std::string(std::uint64_t, std::uint64_t)>& states)
 {
 	ByteReader reader(bytes);
-	requireMagic(reader, besideMagic);
+	if (reader.block() != archiveMagic)
+		throw std::runtime_error(
+		        "RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
 	const auto layout = SampleStore::Layout::from(reader);
-	restoreNumbers(reader);
-	anyStore->restore(layout, file, at);
-	restoreBooks(reader);
-}
-
-void PointSamples::restoreNumbers(ByteReader& reader)
-{
 	sampleOf.assign(reader.number(), -1);
 	for (int& s : sampleOf)
 		s = int(reader.number()) - 1;
-	beginWithOwners();
+	beginWithOwners(); // states are restored when it is known who has which
+	anyStore->restore(layout, states);
+	restoreBooks(reader);
 }
 
 void PointSamples::restoreBooks(ByteReader& reader)

@@ -63,9 +63,9 @@ public:
 
 	std::string save() const;
 	void        restore(const std::string& bytes);
-	/// The same with the states of the samples in a file of parts, where they take layout.bytes().
+	/// The same without the states of the samples, which take layout.bytes() elsewhere; states(at, length) reads them.
 	std::string saveBeside(const SampleStore::Layout& layout) const;
-	void        restoreBeside(const std::string& bytes, const PartedFile& file, std::uint64_t at);
+	void        restoreBeside(const std::string& bytes, const std::function<std::string(std::uint64_t at, std::uint64_t length)>& states);
 
 protected:
 	std::optional<ShearStrength> slip() const;
@@ -93,9 +93,7 @@ protected:
 	std::set<int>                   isolated; ///< ids of points that keep their last stress since their sample blew up
 
 private:
-	void saveBooks(ByteWriter&) const;
 	void restoreBooks(ByteReader&);
-	void restoreNumbers(ByteReader&);
 
 	mutable std::optional<ShearStrength> measuredSlip;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <boost/python/numpy.hpp>
 #include <cmath>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/multiscale/samples/RveSample.hpp>
 #include <pkg/multiscale/samples/SampleStore.hpp>
 #include <pkg/python/ScriptValues.hpp>

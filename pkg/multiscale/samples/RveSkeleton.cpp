@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/common/ElastMat.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/icebond/IceLaws.hpp>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
-#include <pkg/multiscale/samples/DistributedStore.hpp>
 #include <pkg/multiscale/samples/RveSkeleton.hpp>
 #include <pkg/multiscale/samples/SlipFriction.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
@@ -308,8 +307,7 @@ template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::make
 	std::shared_ptr<talik::SampleStoreOf<Dim>> store;
 	if (made.packed) store = made.packed;
 	else store = made.open;
-	if (talik::jobCommunicator() && shared == Shared::samples) store = std::make_shared<talik::DistributedStore<Dim>>(store, talik::jobCommunicator());
-	if (talik::jobCommunicator() && shared == Shared::ground) store = std::make_shared<talik::SlabStore<Dim>>(store, talik::jobCommunicator());
+	if (talik::jobCommunicator() && sharedOut && made.packed) store = std::make_shared<talik::SlabStore<Dim>>(store, talik::jobCommunicator());
 	made.model  = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
 	deviceInUse = "cpu";
 	if (device != "cpu") useDevice(made);
@@ -347,25 +345,28 @@ talik::PointSamples& RveSkeleton::running() const
 	return *model;
 }
 
-string RveSkeleton::savedState() const { return model ? model->save() : ""; }
-void   RveSkeleton::restoreState(const string& bytes) { running().restore(bytes); }
-
-string RveSkeleton::savedBeside(talik::CheckpointParts& parts) const
+string RveSkeleton::saved(talik::CheckpointParts* beside) const
 {
 	if (!model) return "";
+	if (!beside) return model->save();
 	const auto        layout = std::make_shared<talik::SampleStore::Layout>(model->samples().layout());
 	talik::ByteWriter writer;
-	writer.number(
-	        parts.add(layout->bytes(), [store = &model->samples(), layout](const talik::FilePlace& place) { return store->writeStates(*layout, place); }));
+	writer.number(beside->add(
+	        layout->bytes(), [store = &model->samples(), layout](const talik::FilePlace& place) { return store->writeStates(*layout, place); }));
 	writer.block(model->saveBeside(*layout));
 	return writer.bytes();
 }
 
-void RveSkeleton::restoreBeside(const string& bytes, const talik::CheckpointParts::Source& source)
+void RveSkeleton::restore(const string& bytes, const talik::CheckpointParts::Source* beside)
 {
+	if (!beside) return running().restore(bytes);
 	talik::ByteReader   reader(bytes);
-	const std::uint64_t at = source.at + reader.number();
-	running().restoreBeside(reader.block(), *source.file, at);
+	const std::uint64_t first = beside->at + reader.number();
+	running().restoreBeside(reader.block(), [&](std::uint64_t at, std::uint64_t length) {
+		string state(length, '\0');
+		beside->file->read(&state[0], length, first + at);
+		return state;
+	});
 }
 
 shared_ptr<RveSample> RveSkeleton::sample(int id) const

@@ -20,19 +20,17 @@ public:
 	bool                sourcesChanged() const override;
 	bool                beginsWithOwnStress() const override { return true; }
 	bool                changedByHand() const override { return byHand; }
-	string              savedState() const override;
-	void                restoreState(const string&) override;
-	string              savedBeside(talik::CheckpointParts&) const override;
-	void                restoreBeside(const string& bytes, const talik::CheckpointParts::Source&) override;
+	string              saved(talik::CheckpointParts* beside) const override;
+	void                restore(const string& bytes, const talik::CheckpointParts::Source* beside) override;
 	void                followAttributes() override;
 	bool                admitsPoints() const override { return !model; }
 	void                setTolerance(Real tolerance) override { running().setTolerance(tolerance); }
 	talik::ErrorSquares errorSquares(const talik::SkeletonPoints& points) const override { return running().errorSquares(points); }
 	void                keepOnly(const talik::SkeletonPoints& points) override { running().keepOnly(points); }
 	string              notInSlabs(int dimension) const override;
-	bool                shareAmongRanks(Shared what) override
+	bool                shareAmongRanks(const string& what) override
 	{
-		shared = what;
+		sharedOut = what != "none";
 		return true;
 	}
 
@@ -88,7 +86,7 @@ private:
 	bool                                     byHand      = false;
 	bool                                     told        = false;
 	string                                   deviceInUse = "cpu";
-	Shared                                   shared      = Shared::nothing; ///< among the ranks of the job
+	bool                                     sharedOut   = false; ///< among the ranks of the job, with the points
 
 public:
 	// clang-format off
@@ -156,8 +154,8 @@ public:
 				"sampleIceSaturation, cellThickness (distance of a grain's next image over the mean diameter), cellSlips (how often a thin cell slipped), "
 				"fabric (n,3) xx yy xy, in space (n,6) xx yy zz yz xz xy, of mean n(x)n.")
 		.def("cost",&RveSkeleton::cost,"Dictionary: form (packed or open), points, calls (updates), steps (DEM), seconds, distinctStates, bytes. If "
-				"ranks divide the samples, seconds and bytes are those of this rank, and there are: owned, samples of this rank; "
-				"moved, how often one went to another rank (in slabs each of several that share a state counts); balance, mean over largest cost of the ranks [-]. If "
+				"ranks divide the ground, seconds and bytes are those of this rank, and there are: owned, samples of this rank; "
+				"moved, how often one went to another rank (each of several that share a state counts); balance, mean over largest cost of the ranks [-]. If "
 				"device is not cpu: onDevice, updates that a device did; endedOnProcessor, those that it began (flipped cells, lists that outgrow their place); "
 				"leftToProcessor; listsOnDevice, neighbour lists built there; deviceSeconds, where the time of the updates goes [s]: making calls, sending "
 				"them, waiting for the device, receiving its answers, taking them. The device rests but while it is waited for.")

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <cstdint>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 
 namespace talik {
 

@@ -71,7 +71,6 @@ void SampleScheduler<Dim>::steer(const SampleRecord<Dim>& r, int place, const Ma
 	        toleranceRange * given * tight);
 }
 
-template class SampleScheduler<2>;
-template class SampleScheduler<3>;
+TALIK_IN_PLANE_AND_SPACE(SampleScheduler);
 
 } // namespace talik

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/base/Errors.hpp>
+#include <pkg/base/SavedBytes.hpp>
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/mpm/points/SlabDecomposition.hpp>
-#include <pkg/mpm/ThreadPool.hpp>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
 #include <pkg/multiscale/samples/SampleSkeleton.hpp>
 #include <pkg/multiscale/samples/StressPrediction.hpp>
-#include <pkg/thm/Errors.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -252,7 +252,7 @@ template <int Dim> std::vector<int> SampleSkeleton<Dim>::owners(std::size_t samp
 	return ownerOf;
 }
 
-template <int Dim> void SampleSkeleton<Dim>::followBands(SlabDecomposition& of, const int* ids, bool moved)
+template <int Dim> void SampleSkeleton<Dim>::followSlabs(SlabDecomposition& of, const int* ids, bool moved)
 {
 	if (!ofSlabs) throw std::logic_error("SampleSkeleton: a ground in slabs needs a SlabStore");
 	slabs = &of;
@@ -287,7 +287,6 @@ template <int Dim> void SampleSkeleton<Dim>::tangentModulus(const SkeletonBatch<
 	}
 }
 
-template class SampleSkeleton<2>;
-template class SampleSkeleton<3>;
+TALIK_IN_PLANE_AND_SPACE(SampleSkeleton);
 
 } // namespace talik

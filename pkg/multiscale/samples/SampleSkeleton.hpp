@@ -24,7 +24,7 @@ public:
 
 	ErrorSquares errorSquares(const SkeletonPoints&) const override;
 
-	void followBands(SlabDecomposition&, const int* ids, bool moved) override;
+	void followSlabs(SlabDecomposition&, const int* ids, bool moved) override;
 	void addCost(const SkeletonPoints&, double* costByPlace) override;
 
 private:

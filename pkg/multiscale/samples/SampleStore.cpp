@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numeric>
 #include <pkg/multiscale/samples/SampleStore.hpp>
-#include <set>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -79,43 +78,7 @@ std::vector<std::vector<double>> SampleStore::measureAll(const std::string& name
 	return result;
 }
 
-/// Ranks write the bytes that one process with all samples would write.
-void SampleStore::save(ByteWriter& writer) const
-{
-	const Survey told = survey("state");
-	writer.number(told.stateOf.size());
-	for (const auto state : told.stateOf)
-		writer.number(state);
-	writer.number(told.firstOf.size());
-	for (std::size_t n = 0; n < told.firstOf.size(); ++n)
-		writer.block(said(told, "state", n));
-}
-
-void SampleStore::restore(ByteReader& reader)
-{
-	std::vector<std::uint64_t> stateOf(reader.number());
-	for (auto& state : stateOf)
-		state = reader.number();
-	std::vector<std::vector<std::size_t>> samplesOf(reader.number());
-	for (std::size_t s = 0; s < stateOf.size(); ++s)
-		samplesOf.at(stateOf[s]).push_back(s);
-	resize(stateOf.size());
-	for (const auto& samples : samplesOf) {
-		const std::string bytes = reader.block();
-		ByteReader        state(bytes);
-		restoreState(state, samples);
-	}
-}
-
-void SampleStore::skip(ByteReader& reader)
-{
-	for (std::uint64_t samples = reader.number(); samples > 0; --samples)
-		reader.number();
-	for (std::uint64_t states = reader.number(); states > 0; --states)
-		reader.pass();
-}
-
-// ---- in a file of parts ---------------------------------------------------------------------------------------------------
+// ---- saved ----------------------------------------------------------------------------------------------------------------
 
 std::uint64_t SampleStore::Layout::bytes() const { return std::accumulate(lengths.begin(), lengths.end(), std::uint64_t(0)); }
 
@@ -174,60 +137,28 @@ std::uint64_t SampleStore::writeStates(const Layout& layout, const FilePlace& pl
 	return sum.value();
 }
 
-void SampleStore::restore(const Layout& layout, const PartedFile& file, std::uint64_t at)
+/// Ranks give the bytes that one process with all samples would give.
+std::string SampleStore::states() const
 {
+	const Survey told = survey("state");
+	std::string  all;
+	for (std::size_t n = 0; n < told.firstOf.size(); ++n)
+		all += said(told, "state", n);
+	return all;
+}
+
+void SampleStore::restore(const Layout& layout, const std::function<std::string(std::uint64_t, std::uint64_t)>& bytesAt)
+{
+	std::uint64_t                         at = 0;
 	std::vector<std::vector<std::size_t>> samplesOf(layout.lengths.size());
 	for (std::size_t s = 0; s < layout.stateOf.size(); ++s)
 		samplesOf.at(layout.stateOf[s]).push_back(s);
 	resize(layout.stateOf.size());
 	for (std::size_t n = 0; n < samplesOf.size(); at += layout.lengths[n++]) {
-		std::string bytes;
-		if (wants(samplesOf[n])) {
-			bytes.resize(layout.lengths[n]);
-			file.read(&bytes[0], bytes.size(), at);
-		}
-		ByteReader state(bytes);
+		const std::string bytes = wants(samplesOf[n]) ? bytesAt(at, layout.lengths[n]) : "";
+		ByteReader        state(bytes);
 		restoreState(state, samplesOf[n]);
 	}
-}
-
-namespace {
-	using Costs = std::set<std::pair<double, std::size_t>>; ///< of the states of a rank, and their numbers
-
-	/// The state whose move closes a gap between two ranks best; end() where each would make the gap larger.
-	Costs::const_iterator bestFor(const Costs& costs, double gap)
-	{
-		const auto above = costs.lower_bound({ 0.5 * gap, 0 });
-		const bool fits  = above != costs.end() && above->first < gap;
-		if (above == costs.begin() || !(std::prev(above)->first > 0)) return fits ? above : costs.end();
-		const auto below = costs.lower_bound({ std::prev(above)->first, 0 });
-		return fits && above->first - 0.5 * gap < 0.5 * gap - below->first ? above : below;
-	}
-} // namespace
-
-std::vector<int> rebalanced(const std::vector<double>& cost, std::vector<int> owner, int ranks)
-{
-	constexpr double    enough = 1.02;
-	std::vector<double> load(std::size_t(ranks), 0.);
-	auto                costsOf = std::vector<Costs>(std::size_t(ranks));
-	for (std::size_t k = 0; k < cost.size(); ++k) {
-		load[std::size_t(owner[k])] += cost[k];
-		costsOf[std::size_t(owner[k])].emplace(cost[k], k);
-	}
-	const double mean = std::accumulate(load.begin(), load.end(), 0.) / ranks;
-	for (std::size_t moves = 0; moves < cost.size(); ++moves) {
-		const auto most = std::max_element(load.begin(), load.end()), least = std::min_element(load.begin(), load.end());
-		if (*most <= enough * mean) break;
-		auto&      from = costsOf[std::size_t(most - load.begin())];
-		const auto best = bestFor(from, *most - *least);
-		if (best == from.end()) break;
-		*most -= best->first;
-		*least += best->first;
-		owner[best->second] = int(least - load.begin());
-		costsOf[std::size_t(least - load.begin())].insert(*best);
-		from.erase(best);
-	}
-	return owner;
 }
 
 } // namespace talik

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/ranks/PartedFile.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <string>
@@ -45,12 +45,7 @@ public:
 	/// Of one DEM step of a sample, in a unit of the store's own: samples are shared out by it.
 	virtual double costOfStep(std::size_t sample) const = 0;
 
-	/// All samples, each state once.
-	void save(ByteWriter&) const;
-	void restore(ByteReader&);
-	/// Passes by what restore() would read.
-	static void skip(ByteReader&);
-	/// The same in a file of parts: states in the order of the first sample that has each.
+	/// How all samples are saved, each state once: states in the order of the first sample that has each.
 	struct Layout {
 		std::vector<std::uint64_t> stateOf, lengths; ///< number of each sample's state, and bytes of each state
 		std::uint64_t              bytes() const;
@@ -63,13 +58,13 @@ public:
 	virtual std::uint64_t writeStates(const Layout&, const FilePlace&) const;
 	/// Those of whose first sample this is true.
 	void writeStates(const Layout&, const FilePlace&, PartSum&, const std::function<bool(std::size_t sample)>& writes) const;
-	/// Each rank reads what it owns.
-	void restore(const Layout&, const PartedFile&, std::uint64_t at);
+	/// The states one after the other, in this process.
+	std::string states() const;
+	/// bytes(at, length): of the states; each rank reads what it owns.
+	void restore(const Layout&, const std::function<std::string(std::uint64_t at, std::uint64_t length)>& bytes);
 	/// The state of one sample, and back as that of several which share it.
 	virtual void saveState(ByteWriter&, std::size_t sample) const                   = 0;
 	virtual void restoreState(ByteReader&, const std::vector<std::size_t>& samples) = 0;
-	/// Whether a state that was saved and restored goes on with the same bits.
-	virtual bool restoresExactly() const = 0;
 	/// So many samples, whose states are restored next.
 	virtual void resize(std::size_t samples) = 0;
 
@@ -127,10 +122,5 @@ template <int Dim> std::vector<double> components(const typename PackedTypes<Dim
 const std::vector<std::string>& sampleMeasures();
 /// "…; choose bondsIntact, …", for exceptions.
 [[noreturn]] void refuseMeasure(const std::string& name);
-
-/// Owners, 0 to ranks - 1, after a new deal: states go from the rank with most cost to that with least, one at a time and each the one that
-/// brings the two closest, until the largest cost is within 2 % of the mean or no state can be moved with a gain. Depends on nothing else,
-/// so that all ranks find the same.
-std::vector<int> rebalanced(const std::vector<double>& cost, std::vector<int> owner, int ranks);
 
 } // namespace talik

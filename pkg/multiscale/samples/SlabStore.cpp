@@ -3,14 +3,61 @@
 
 #include <algorithm>
 #include <cstring>
-#include <set>
+#include <numeric>
 
 namespace talik {
 
+namespace {
+	const std::string aSample = "sample ";
+
+	/// All that an update of a sample follows from, but its state.
+	template <int Dim> void addTo(Digest& digest, const PackedRequest<Dim>& request)
+	{
+		digest.add(request.displacementGradient.data(), sizeof(double) * Dim * Dim);
+		digest.add(&request.iceSaturation, sizeof(double));
+		digest.add(&request.inertialNumber, sizeof(double));
+		digest.add(std::uint64_t(request.compareRates));
+		digest.add(&request.strength, sizeof(request.strength));
+		digest.add(&request.iceStiffness, sizeof(double));
+		digest.add(&request.creep, sizeof(request.creep));
+	}
+} // namespace
+
 template <int Dim>
 SlabStore<Dim>::SlabStore(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<Communicator> others)
-        : StoreOfRanks<Dim>(std::move(here), std::move(others))
+        : held(std::move(here))
+        , communicator(std::move(others))
 {}
+
+template <int Dim> SlabStore<Dim>::~SlabStore()
+{
+	if (number >= 0) communicator->dismiss(number);
+}
+
+template <int Dim> const SampleStart<Dim>& SlabStore<Dim>::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
+{
+	const auto& start = held->add(prototype, iceSaturation, options);
+	beginAnew(held->size() - 1);
+	return start;
+}
+
+template <int Dim> void SlabStore<Dim>::release(std::size_t sample)
+{
+	held->release(sample);
+	beginAnew(sample);
+}
+
+template <int Dim> void SlabStore<Dim>::clear() { resize(0); }
+
+template <int Dim> void SlabStore<Dim>::resize(std::size_t samples)
+{
+	if (samples > 0) held->resize(samples);
+	else held->clear();
+	seen.clear();
+	brought.clear();
+	beginnings.clear();
+	known.assign(samples, Known {});
+}
 
 // ---- states that every rank has -------------------------------------------------------------------------------------------
 
@@ -33,12 +80,6 @@ template <int Dim> void SlabStore<Dim>::beginAnew(std::size_t sample)
 	brought.erase(sample);
 }
 
-template <int Dim> void SlabStore<Dim>::forget(std::size_t samples)
-{
-	beginnings.clear();
-	known.assign(samples, Known {});
-}
-
 template <int Dim> void SlabStore<Dim>::replaced(std::size_t sample)
 {
 	known[sample]        = Known {};
@@ -54,21 +95,21 @@ template <int Dim> void SlabStore<Dim>::restoreState(ByteReader& reader, const s
 	for (const auto sample : samples) {
 		const bool everywhere = ownerOf(sample) == nobody;
 		known[sample]         = Known { everywhere, origin, 0 };
-		if (everywhere || this->isMine(sample)) mine.push_back(sample);
+		if (everywhere || isMine(sample)) mine.push_back(sample);
 	}
 	if (!mine.empty()) held->restoreState(reader, mine);
 }
 
 template <int Dim> bool SlabStore<Dim>::wants(const std::vector<std::size_t>& samples) const
 {
-	return std::any_of(samples.begin(), samples.end(), [&](std::size_t sample) { return this->isMine(sample) || ownerOf(sample) == nobody; });
+	return std::any_of(samples.begin(), samples.end(), [&](std::size_t sample) { return isMine(sample) || ownerOf(sample) == nobody; });
 }
 
 // ---- owners ---------------------------------------------------------------------------------------------------------------
 
 template <int Dim> void SlabStore<Dim>::own(std::vector<int> ownerOf)
 {
-	this->enrol();
+	if (number < 0) number = communicator->enrol(this);
 	owner = std::move(ownerOf);
 }
 
@@ -85,26 +126,45 @@ template <int Dim> void SlabStore<Dim>::send(const std::vector<int>& next)
 	for (std::size_t s = 0; s < next.size(); ++s) {
 		if (owner[s] == next[s] || owner[s] == nobody) continue;
 		++shared.moved;
-		if (this->isMine(s) && !known[s].everywhere && next[s] != nobody) states[std::size_t(next[s])][known[s].origin].push_back(s);
+		if (isMine(s) && !known[s].everywhere && next[s] != nobody) states[std::size_t(next[s])][known[s].origin].push_back(s);
 	}
-	std::vector<std::vector<typename StoreOfRanks<Dim>::Leaving>> leaving(states.size());
-	for (std::size_t rank = 0; rank < states.size(); ++rank)
-		for (const auto& [origin, samples] : states[rank]) {
-			ByteWriter note;
-			note.number(origin);
+	std::vector<std::string> going;
+	for (const auto& byOrigin : states) {
+		ByteWriter parcel;
+		for (const auto& [origin, samples] : byOrigin) {
+			parcel.block(samples.data(), samples.size() * sizeof(std::size_t));
+			parcel.number(origin);
 			for (const auto sample : samples)
-				note.block(&known[sample].cost, sizeof(double));
-			leaving[rank].push_back({ samples, note.bytes() });
+				parcel.block(&known[sample].cost, sizeof(double));
+			parcel.block(this->answer("state", samples.front()));
 		}
-	this->move(leaving, [&](const std::vector<std::size_t>& samples, const std::string& note) {
-		ByteReader          reader(note);
-		const std::uint64_t origin = reader.number();
-		for (const auto sample : samples) {
-			known[sample] = Known { false, origin, 0 };
-			reader.block(&known[sample].cost, sizeof(double));
-			brought.erase(sample);
-		}
-	});
+		going.push_back(parcel.bytes());
+	}
+	for (const auto& byOrigin : states)
+		for (const auto& leaving : byOrigin)
+			for (const auto sample : leaving.second)
+				held->release(sample);
+	for (const auto& bytes : communicator->ranks().exchange(going)) {
+		ByteReader parcel(bytes);
+		while (!parcel.atEnd())
+			receive(parcel);
+	}
+}
+
+template <int Dim> void SlabStore<Dim>::receive(ByteReader& parcel)
+{
+	const std::string        numbers = parcel.block();
+	std::vector<std::size_t> samples(numbers.size() / sizeof(std::size_t));
+	std::memcpy(samples.data(), numbers.data(), numbers.size());
+	const std::uint64_t origin = parcel.number();
+	for (const auto sample : samples) {
+		known[sample] = Known { false, origin, 0 };
+		parcel.block(&known[sample].cost, sizeof(double));
+		brought.erase(sample);
+	}
+	const std::string state = parcel.block();
+	ByteReader        from(state);
+	held->restoreState(from, samples);
 }
 
 // ---- update ---------------------------------------------------------------------------------------------------------------
@@ -115,7 +175,7 @@ template <int Dim> void SlabStore<Dim>::beginStep()
 	for (const auto sample : brought)
 		held->release(sample);
 	brought.clear();
-	this->seen.clear();
+	seen.clear();
 }
 
 template <int Dim>
@@ -150,7 +210,85 @@ template <int Dim> double SlabStore<Dim>::takeCost() { return std::exchange(cost
 
 template <int Dim> double SlabStore<Dim>::takeCost(std::size_t sample) { return std::exchange(known[sample].cost, 0.0); }
 
+template <int Dim> void SlabStore<Dim>::bookCosts(const std::vector<double>& costs)
+{
+	meanCost += std::accumulate(costs.begin(), costs.end(), 0.0) / communicator->count();
+	largestCost += *std::max_element(costs.begin(), costs.end());
+}
+
+template <int Dim> const SampleStore::Sharing* SlabStore<Dim>::sharing() const
+{
+	if (number < 0) return nullptr;
+	shared.samples = 0;
+	for (std::size_t s = 0; s < size(); ++s)
+		shared.samples += isMine(s);
+	shared.balance = largestCost > 0 ? meanCost / largestCost : 1;
+	return &shared;
+}
+
 // ---- looking at samples that other ranks own ------------------------------------------------------------------------------
+
+template <int Dim> std::vector<double> SlabStore<Dim>::measure(std::size_t sample, const std::string& name) const
+{
+	bring(sample);
+	return held->measure(sample, name);
+}
+
+template <int Dim> void SlabStore<Dim>::saveState(ByteWriter& writer, std::size_t sample) const
+{
+	bring(sample);
+	held->saveState(writer, sample);
+}
+
+template <int Dim> void SlabStore<Dim>::bring(std::size_t sample) const
+{
+	const int its = ownerOf(sample);
+	if (its != nobody && !seen.count(sample)) show(sample, communicator->ask(number, aSample + std::to_string(sample)).at(std::size_t(its)));
+}
+
+template <int Dim> std::string SlabStore<Dim>::stateToShow(std::size_t sample) const
+{
+	return isMine(sample) && !known[sample].everywhere ? this->answer("state", sample) : "";
+}
+
+template <int Dim> void SlabStore<Dim>::show(std::size_t sample, const std::string& state) const
+{
+	seen.insert(sample);
+	if (isMine(sample) || state.empty()) return; // it is here
+	ByteReader reader(state);
+	held->restoreState(reader, { sample });
+	brought.insert(sample);
+}
+
+template <int Dim> void SlabStore<Dim>::beforeReplacing(std::size_t sample)
+{
+	if (number >= 0) communicator->meet("sample " + std::to_string(sample) + " is replaced");
+}
+
+template <int Dim> std::uint64_t SlabStore<Dim>::writeStates(const typename SampleStore::Layout& layout, const FilePlace& place) const
+{
+	if (number < 0) return held->writeStates(layout, place); // no rank has a sample of its own
+	ByteWriter order;
+	order.block(place.text());
+	layout.save(order);
+	return sumOfParts(*communicator, number, order.bytes());
+}
+
+template <int Dim> std::string SlabStore<Dim>::carryOut(const std::string& order) const
+{
+	return partWritten([&](PartSum& sum) {
+		ByteReader reader(order);
+		const auto place  = FilePlace::from(reader.block());
+		const auto writes = [&](std::size_t sample) { return isMine(sample) || (communicator->rank() == 0 && ownerOf(sample) == nobody); };
+		held->writeStates(SampleStore::Layout::from(reader), place, sum, writes);
+	});
+}
+
+template <int Dim> std::string SlabStore<Dim>::answerTo(const std::string& question) const
+{
+	if (question.compare(0, aSample.size(), aSample) != 0) return answerOfMine(question);
+	return stateToShow(std::stoul(question.substr(aSample.size())));
+}
 
 /// Of this rank's samples in their order the origin, then of each of their states what is asked for.
 template <int Dim> std::string SlabStore<Dim>::answerOfMine(const std::string& question) const
@@ -158,7 +296,7 @@ template <int Dim> std::string SlabStore<Dim>::answerOfMine(const std::string& q
 	ByteWriter               writer;
 	std::vector<std::size_t> mine;
 	for (std::size_t s = 0; s < known.size(); ++s)
-		if (this->isMine(s)) mine.push_back(s);
+		if (isMine(s)) mine.push_back(s);
 	for (const auto sample : mine)
 		writer.number(known[sample].origin);
 	std::set<std::uint64_t> told;
@@ -192,7 +330,6 @@ template <int Dim> SampleStore::Survey SlabStore<Dim>::survey(const std::string&
 	return told;
 }
 
-template class SlabStore<2>;
-template class SlabStore<3>;
+TALIK_IN_PLANE_AND_SPACE(SlabStore);
 
 } // namespace talik

@@ -1,25 +1,52 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <map>
-#include <pkg/multiscale/samples/StoreOfRanks.hpp>
+#include <pkg/multiscale/samples/SampleStore.hpp>
+#include <pkg/ranks/Communicator.hpp>
+#include <set>
 
 namespace talik {
 
 /// Samples behind the points of a ground in slabs: the rank that has a point owns its sample, and alone asks it. Its answers go nowhere, but the
-/// other ranks do not know how far its samples have come: they ask the owner. A sample that no rank has asked yet is on all ranks.
-template <int Dim> class SlabStore final : public StoreOfRanks<Dim> {
+/// other ranks do not know how far its samples have come: they ask the owner. A sample that no rank has asked yet is on all ranks. Where ranks
+/// have no slabs nobody owns a sample, and each rank keeps all.
+template <int Dim> class SlabStore final : public SampleStoreOf<Dim>, private Communicator::Answerer {
 public:
 	using Request = PackedRequest<Dim>;
 	using Result  = PackedUpdateResult<Dim>;
 
+	/// held: the samples as this rank has them.
 	SlabStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<Communicator> communicator);
+	~SlabStore() override;
 
+	int         prototypeCount() const override { return held->prototypeCount(); }
+	double      prototypeIce(int prototype) const override { return held->prototypeIce(prototype); }
+	double      oedometricModulus(int prototype, double iceSaturation) const override { return held->oedometricModulus(prototype, iceSaturation); }
+	std::size_t size() const override { return held->size(); }
+	bool        comparesRates() const override { return held->comparesRates(); }
+	std::size_t bytes() const override { return held->bytes(); } ///< on this rank
+	double      costOfStep(std::size_t sample) const override { return held->costOfStep(sample); }
+	const void* identity(std::size_t sample) const override { return held->identity(sample); }
+
+	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
+	void                    release(std::size_t sample) override;
+	void                    clear() override;
+	void                    resize(std::size_t samples) override;
 	/// Of samples of this rank. Not collective.
 	std::vector<Result> update(const std::vector<Request>&, const PackedUpdateOptions&, int threads) override;
 
-	const void* identity(std::size_t sample) const override { return held->identity(sample); }
-	void        restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
-	void        replaced(std::size_t sample) override;
+	std::vector<double> measure(std::size_t sample, const std::string& name) const override;
+	void                saveState(ByteWriter&, std::size_t sample) const override;
+	void                restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
+	std::uint64_t       writeStates(const typename SampleStore::Layout&, const FilePlace&) const override;
+	/// The owner asks, too: ranks that all look go on together, and none replaces a sample or ends its ground before the others have seen it.
+	void bring(std::size_t sample) const override;
+	void beforeReplacing(std::size_t sample) override;
+	void replaced(std::size_t sample) override;
+	/// The state of a sample of this rank, for others to look at; empty where all have it.
+	std::string stateToShow(std::size_t sample) const;
+	/// The same of another rank is here to be looked at.
+	void show(std::size_t sample, const std::string& state) const;
 
 	/// The owner of each sample, -1 for one that no point has. Not collective: states stay where they are, as they may where all ranks have them
 	/// or where they are restored next, each by its owner.
@@ -32,14 +59,12 @@ public:
 	double takeCost();
 	/// Cost of the updates of a sample of this rank since it was asked for, in the unit of costOfStep().
 	double takeCost(std::size_t sample);
+	/// What the updates of a step have cost, by rank: for the balance.
+	void                        bookCosts(const std::vector<double>& costs);
+	const SampleStore::Sharing* sharing() const override;
 
 private:
-	using StoreOfRanks<Dim>::nobody;
-	using StoreOfRanks<Dim>::held;
-	using StoreOfRanks<Dim>::communicator;
-	using StoreOfRanks<Dim>::brought;
-	using StoreOfRanks<Dim>::shared;
-	using StoreOfRanks<Dim>::number;
+	static constexpr int nobody = -1; ///< owns a sample that all ranks have alike
 
 	/// What the owner of a sample knows of it.
 	struct Known {
@@ -48,22 +73,31 @@ private:
 		double        cost       = 0;
 	};
 
-	int  ownerOf(std::size_t sample) const override { return sample < owner.size() ? owner[sample] : nobody; }
-	bool isEverywhere(std::size_t sample) const override { return known[sample].everywhere; }
-	bool wants(const std::vector<std::size_t>& samples) const override;
-	void beginAnew(std::size_t sample) override;
-	void forget(std::size_t samples) override;
+	const SampleStore& here() const override { return *held; }
+	int                ownerOf(std::size_t sample) const { return sample < owner.size() ? owner[sample] : nobody; }
+	bool               isMine(std::size_t sample) const { return ownerOf(sample) == communicator->rank(); }
+	bool               wants(const std::vector<std::size_t>& samples) const override;
+	void               beginAnew(std::size_t sample);
 	/// All ask their owners first which samples would share a state on one rank.
 	typename SampleStore::Survey survey(const std::string& question) const override;
-	std::string                  answerOfMine(const std::string& question) const override;
+	std::string                  answerTo(const std::string& question) const override;
+	std::string                  answerOfMine(const std::string& question) const;
+	std::string                  carryOut(const std::string& order) const override;
 	std::uint64_t                nextOrigin();
 	void                         send(const std::vector<int>& next);
+	void                         receive(ByteReader& parcel);
 
-	std::vector<int>                     owner;
-	std::vector<Known>                   known;
-	std::map<const void*, std::uint64_t> beginnings; ///< origins of the states that samples begin with
-	std::uint64_t                        origins = 0, step = 0;
-	double                               cost = 0;
+	std::shared_ptr<SampleStoreOf<Dim>>   held;
+	std::shared_ptr<Communicator>         communicator;
+	int                                   number = -1; ///< of this store in the communicator, once there are owners
+	std::vector<int>                      owner;
+	std::vector<Known>                    known;
+	mutable std::set<std::size_t>         seen;       ///< samples that are here as their owner has them
+	mutable std::set<std::size_t>         brought;    ///< those of them that other ranks own
+	std::map<const void*, std::uint64_t>  beginnings; ///< origins of the states that samples begin with
+	std::uint64_t                         origins = 0, step = 0;
+	double                                cost = 0, meanCost = 0, largestCost = 0; ///< of this rank now; of ranks, summed over updates
+	mutable typename SampleStore::Sharing shared;
 };
 
 } // namespace talik

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/ThreadPool.hpp>
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/multiscale/samples/SlipFriction.hpp>
 #include <pkg/rve/open/OpenSample.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>

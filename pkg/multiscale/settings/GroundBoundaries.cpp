@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/base/Errors.hpp>
 #include <pkg/multiscale/settings/GroundBoundaries.hpp>
-#include <pkg/thm/Errors.hpp>
 
 namespace yade {
 template <int D> talik::Region<D> GroundBoundary::where() const

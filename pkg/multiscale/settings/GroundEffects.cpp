@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
+#include <pkg/base/Errors.hpp>
 #include <pkg/multiscale/settings/GroundEffects.hpp>
 #include <pkg/python/ScriptValues.hpp>
-#include <pkg/thm/Errors.hpp>
 #include <pkg/thm/PermeabilityRanges.hpp>
 
 #include <tuple>

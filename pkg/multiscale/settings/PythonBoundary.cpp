@@ -52,18 +52,16 @@ public:
 
 	void validate(const Grid<D>& grid) const override
 	{
-		Boundary<D>::validate(grid);
-		if (gift_ == Gift::traction) this->requireRegion(!takesVolumes(), "must be surface, cavities or a side: traction acts on a surface");
-		if (gift_ == Gift::temperature && takesVolumes())
+		if (gift_ == Gift::traction) this->requireRegion(!inBox(), "must be surface, cavities or a side: traction acts on a surface");
+		if (gift_ == Gift::temperature && inBox())
 			this->requireRegion(!nodeShares(grid, this->region_).empty(), "must be surface, cavities, a side, or a box or disc with room in it");
-		if (gift_ == Gift::acceleration) this->requireRegion(takesVolumes(), "must be a box or disc: acceleration acts in a volume");
+		if (gift_ == Gift::acceleration) this->requireRegion(inBox(), "must be a box or disc: acceleration acts in a volume");
+		Boundary<D>::validate(grid);
 	}
-	bool takesVolumes() const override { return this->region_.kind == Region<D>::Kind::nodeBox; }
-	bool usesSurface() const override { return !takesVolumes(); }
 	bool usesNodes() const override { return true; }
-	bool heats() const override { return this->effect() == "heat" && !takesVolumes(); }
-	bool producesHeat() const override { return gift_ == Gift::heat && takesVolumes(); }
-	bool prescribesTemperature() const override { return gift_ == Gift::temperature && takesVolumes(); }
+	bool heats() const override { return this->effect() == "heat" && !inBox(); }
+	bool producesHeat() const override { return gift_ == Gift::heat && inBox(); }
+	bool prescribesTemperature() const override { return gift_ == Gift::temperature && inBox(); }
 	bool loads() const override { return gift_ == Gift::traction; }
 	bool accelerates() const override { return gift_ == Gift::acceleration; }
 
@@ -97,6 +95,7 @@ public:
 	}
 
 private:
+	bool              inBox() const { return this->region_.kind == Region<D>::Kind::nodeBox; }
 	[[noreturn]] void refuse(const std::string& what) const
 	{
 		throw std::runtime_error("PythonBoundary.function " + function_ + " " + what + "; this step was not made.");

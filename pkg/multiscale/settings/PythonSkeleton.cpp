@@ -186,9 +186,9 @@ public:
 	}
 	/// Functions of NumPy do not give the bits of many points for a part of them: it sees the points of a strip, whichever ranks there are, where
 	/// the script says so, even on one rank.
-	bool shareAmongRanks(Shared what) override
+	bool shareAmongRanks(const string& what) override
 	{
-		byStrips = what == Shared::ground;
+		byStrips = what == "ground";
 		return false;
 	}
 	string notInSlabs(int) const override { return byStrips ? "" : "a law in Python"; }

@@ -26,12 +26,9 @@ public:
 	virtual bool changedByHand() const { return false; }
 	/// Points begin with a stress of the law's own; one that the user gives is none of theirs.
 	virtual bool beginsWithOwnStress() const { return false; }
-	/// What the model keeps beside the fields of the points, as bytes, and back.
-	virtual string savedState() const { return ""; }
-	virtual void   restoreState(const string&) {}
-	/// The same with what is large in a checkpoint behind its archive.
-	virtual string savedBeside(talik::CheckpointParts&) const { return savedState(); }
-	virtual void   restoreBeside(const string& bytes, const talik::CheckpointParts::Source&) { restoreState(bytes); }
+	/// What the model keeps beside the fields of the points, as bytes, and back. beside: where what is large goes in a checkpoint; null in others.
+	virtual string saved(talik::CheckpointParts*) const { return ""; }
+	virtual void   restore(const string&, const talik::CheckpointParts::Source*) {}
 	/// Before every step: what may be changed while the ground runs comes into force.
 	virtual void followAttributes() {}
 	/// Whether points of a running ground may be given this law, see MpmEngine.exchangeSkeletons.
@@ -43,10 +40,8 @@ public:
 	virtual talik::ErrorSquares errorSquares(const talik::SkeletonPoints&) const { return {}; }
 	/// Why this law cannot run with distribute='ground' in this dimension, as a phrase for the message, such as "samples that run open"; empty: it can.
 	virtual string notInSlabs(int) const { return {}; }
-	/// What the ranks of the job share out.
-	enum class Shared { nothing, samples, ground };
-	/// Before build(). Says whether the law keeps something behind the points that can be shared out alone.
-	virtual bool shareAmongRanks(Shared) { return false; }
+	/// Before build(): MpmEngine.distribute. Says whether the law is worth slabs of a small ground, too.
+	virtual bool shareAmongRanks(const string&) { return false; }
 	/// Names of what can be measured on each point beside the fields, for MpmEngine.field().
 	virtual vector<string> measures() const { return {}; }
 	/// One of them for all points of the ground, NaN where a point has another skeleton.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What the kernels need of the machine that they are compiled for: a graphics card (clang's CUDA or HIP, without a file of the makers of
+// What the kernels need of the machine that they are compiled for: a graphics card (clang's CUDA, without a file of the maker of
 // cards), or a processor, where one thread does the work of all threads of a block in turn.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 
-#if defined(__clang__) && (defined(__CUDA__) || defined(__HIP__))
+#if defined(__clang__) && defined(__CUDA__)
 #define TALIK_ON_CARD 1
 // what clang's own headers expect CUDA's to have said
 #define __host__ __attribute__((host))
@@ -44,20 +44,9 @@ namespace talik {
 namespace N_ONE {
 
 #if TALIK_ON_CARD
-#if defined(__HIP__)
-	TALIK_CARD inline int  threadNumber() { return __builtin_amdgcn_workitem_id_x(); }
-	TALIK_CARD inline int  blockNumber() { return __builtin_amdgcn_workgroup_id_x(); }
-	TALIK_CARD inline void waitForBlock()
-	{
-		__builtin_amdgcn_fence(__ATOMIC_RELEASE, "workgroup");
-		__builtin_amdgcn_s_barrier();
-		__builtin_amdgcn_fence(__ATOMIC_ACQUIRE, "workgroup");
-	}
-#else
 	TALIK_CARD inline int  threadNumber() { return __nvvm_read_ptx_sreg_tid_x(); }
 	TALIK_CARD inline int  blockNumber() { return __nvvm_read_ptx_sreg_ctaid_x(); }
 	TALIK_CARD inline void waitForBlock() { __syncthreads(); }
-#endif
 	/// Work that all threads of a block do before any of them goes on.
 	template <class Work> TALIK_CARD inline TALIK_INLINED void together(int, Work work)
 	{

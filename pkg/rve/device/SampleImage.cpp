@@ -268,7 +268,6 @@ void SampleImage<Dim>::takePairs(const Out& rows, const PlaceLayout& l, const Sa
 	c.second = lists.second;
 }
 
-template class SampleImage<2>;
-template class SampleImage<3>;
+TALIK_IN_PLANE_AND_SPACE(SampleImage);
 
 } // namespace talik

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <pkg/mpm/ThreadPool.hpp>
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/rve/device/DeviceMemory.hpp>
 #include <pkg/rve/device/SampleImage.hpp>
 #include <pkg/rve/device/SamplesOnDevice.hpp>
@@ -761,9 +761,7 @@ template <int Dim> void SamplesOnDevice<Dim>::end(std::vector<Task>& tasks, int 
 	watch.add(went.taking);
 }
 
-template class SampleOnDevice<2>;
-template class SampleOnDevice<3>;
-template class SamplesOnDevice<2>;
-template class SamplesOnDevice<3>;
+TALIK_IN_PLANE_AND_SPACE(SampleOnDevice);
+TALIK_IN_PLANE_AND_SPACE(SamplesOnDevice);
 
 } // namespace talik

@@ -9,11 +9,8 @@
 #include <pkg/rve/open/OpenSample.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/packed/CellSlip.hpp>
-#include <pkg/rve/packed/PackedSample.hpp>
-#include <pkg/rve/SampleUpdate.hpp>
 
 #include <omp.h>
-#include <sstream>
 #include <stdexcept>
 
 using namespace yade;

@@ -225,7 +225,6 @@ template <int Dim> void CompactSample<Dim>::expand(PackedState<Dim>& state) cons
 	expand(state, lists);
 }
 
-template class CompactSample<2>;
-template class CompactSample<3>;
+TALIK_IN_PLANE_AND_SPACE(CompactSample);
 
 } // namespace talik

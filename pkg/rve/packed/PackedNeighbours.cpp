@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <pkg/base/Dimensions.hpp>
 #include <pkg/rve/packed/CellInverse.hpp>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
 #include <stdexcept>
@@ -239,7 +240,6 @@ void NeighbourSearch<Dim>::build(
 	}
 }
 
-template class NeighbourSearch<2>;
-template class NeighbourSearch<3>;
+TALIK_IN_PLANE_AND_SPACE(NeighbourSearch);
 
 } // namespace talik

@@ -371,7 +371,6 @@ template PackedUpdateResult<2>  updateWorkspace<2>(
         PackedWorkspace<2>&, const PackedState<2>&, const PackedTypes<2>::Matrix&, double, const PackedUpdateOptions&);
 template PackedUpdateResult<3> updateWorkspace<3>(
         PackedWorkspace<3>&, const PackedState<3>&, const PackedTypes<3>::Matrix&, double, const PackedUpdateOptions&);
-template class PackedSample<2>;
-template class PackedSample<3>;
+TALIK_IN_PLANE_AND_SPACE(PackedSample);
 
 } // namespace talik

@@ -2,14 +2,12 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
-#include <pkg/mpm/ThreadPool.hpp>
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/rve/device/SamplesOnDevice.hpp>
 #include <pkg/rve/packed/CellSlip.hpp>
-#include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <stdexcept>
-#include <string>
 #include <unordered_set>
 
 namespace talik {
@@ -321,7 +319,6 @@ template <int Dim> std::size_t SamplePool<Dim>::bytes() const
 	return sum;
 }
 
-template class SamplePool<2>;
-template class SamplePool<3>;
+TALIK_IN_PLANE_AND_SPACE(SamplePool);
 
 } // namespace talik

@@ -35,7 +35,6 @@ public:
 	bool expand(PackedState<Dim>& state, PackedLists<Dim>& lists) const;
 
 	const PackedParameters<Dim>& withoutArrays() const { return parameters; }
-	std::size_t                  contactCount() const { return contacts; }
 
 	/// Bytes held, the constants of the grains excluded (they are shared).
 	std::size_t bytes() const { return sizeof(*this) + capacity; }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <Eigen/Core>
 #include <memory>
+#include <pkg/base/Dimensions.hpp>
 #include <pkg/icebond/IceBond.hpp>
 #include <pkg/icebond/IceLaws.hpp>
 #include <string>

@@ -219,12 +219,6 @@ template <int Dim> const PackedParameters<Dim>& PackedWorkspace<Dim>::parameters
 	return base;
 }
 
-template <int Dim> void PackedWorkspace<Dim>::adoptParameters(const PackedParameters<Dim>& parameters)
-{
-	base = parameters;
-	copyMatrices<Dim>(base, view);
-}
-
 template <int Dim> typename PackedWorkspace<Dim>::Matrix PackedWorkspace<Dim>::hSize() const
 {
 	Matrix h;
@@ -378,7 +372,6 @@ template <int Dim> bool PackedWorkspace<Dim>::flip(double skew)
 
 template double longestTimeStep<2>(const PackedParameters<2>&, const PackedGrains&, const PackedRadii&, double);
 template double longestTimeStep<3>(const PackedParameters<3>&, const PackedGrains&, const PackedRadii&, double);
-template class PackedWorkspace<2>;
-template class PackedWorkspace<3>;
+TALIK_IN_PLANE_AND_SPACE(PackedWorkspace);
 
 } // namespace talik

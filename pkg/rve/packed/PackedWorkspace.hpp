@@ -111,7 +111,6 @@ private:
 	void storeLists(PackedLists<Dim>& lists, const std::vector<std::uint32_t> (&kept)[2]) const;
 	bool carriesHistory(const Lanes& lanes, std::size_t lane) const;
 	/// Of the same sample at another time: without its arrays.
-	void adoptParameters(const PackedParameters<Dim>& parameters);
 	void scaleRadii();
 	void spinRim(std::size_t grain);
 	void bind();

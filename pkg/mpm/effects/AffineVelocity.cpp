@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/points/AffineVelocity.hpp>
+#include <pkg/mpm/effects/AffineVelocity.hpp>
 
 namespace talik {
 
@@ -60,7 +60,6 @@ template <int D> template <bool Apic> void AffineVelocity<D>::gatherBlock(const 
 	}
 }
 
-template class AffineVelocity<2>;
-template class AffineVelocity<3>;
+TALIK_IN_PLANE_AND_SPACE(AffineVelocity);
 
 } // namespace talik

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/effects/CompressionCurve.hpp>
-#include <pkg/thm/Errors.hpp>
+#include <pkg/base/Errors.hpp>
+#include <pkg/thm/CompressionCurve.hpp>
 
 #include <cmath>
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/grid/ActiveRange.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
-
 #include <vector>
 
 namespace talik {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/PagedArray.hpp>
+#include <pkg/base/PagedArray.hpp>
 
 #include <cstdlib>
 #include <cstring>

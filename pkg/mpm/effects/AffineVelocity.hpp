@@ -89,7 +89,4 @@ private:
 	PointFields::Handle gradient_;
 };
 
-extern template class AffineVelocity<2>;
-extern template class AffineVelocity<3>;
-
 } // namespace talik

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/mpm/effects/NodeColumns.hpp>
+#include <pkg/mpm/grid/NodeColumns.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 
 #include <vector>

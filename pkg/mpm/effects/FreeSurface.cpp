@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/grid/FreeSurface.hpp>
-#include <pkg/mpm/kernels/NodeLoops.hpp>
+#include <pkg/mpm/effects/FreeSurface.hpp>
+#include <pkg/mpm/grid/NodeLoops.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -294,7 +294,6 @@ template <int D> void FreeSurface<D>::collect(const Grid<D>& grid, const CellMea
 	}
 }
 
-template class FreeSurface<2>;
-template class FreeSurface<3>;
+TALIK_IN_PLANE_AND_SPACE(FreeSurface);
 
 } // namespace talik

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <pkg/mpm/boundary/Boundary.hpp>
-#include <pkg/mpm/effects/NodeColumns.hpp>
-#include <pkg/mpm/grid/CellMeans.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
+#include <pkg/mpm/grid/NodeColumns.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
+#include <pkg/mpm/points/CellMeans.hpp>
 
 #include <vector>
 
@@ -76,8 +76,5 @@ private:
 	std::vector<int>                          reached_;
 	bool                                      openSides_[D][2] = {};
 };
-
-extern template class FreeSurface<2>;
-extern template class FreeSurface<3>;
 
 } // namespace talik

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/ThreadPool.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
-#include <pkg/mpm/ThreadPool.hpp>
+#include <vector>
 
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <vector>
 
 namespace talik {
 

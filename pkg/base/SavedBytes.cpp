@@ -2,17 +2,14 @@
 #include <boost/archive/iterators/base64_from_binary.hpp>
 #include <boost/archive/iterators/binary_from_base64.hpp>
 #include <boost/archive/iterators/transform_width.hpp>
-#include <boost/crc.hpp>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <iomanip>
-#include <pkg/multiscale/checkpoints/SavedBytes.hpp>
+#include <pkg/base/SavedBytes.hpp>
 #include <random>
 #include <sstream>
-#include <stdexcept>
 #include <sys/stat.h>
 #include <unistd.h>
 
