@@ -76,7 +76,7 @@ talik.runUntilDay(mpm, lastDay, progress=True)
 ice, displacement = mpm.field("iceSaturation"), mpm.field("displacement")
 thawed, moved = startVolume * (1 - ice / startIce), np.linalg.norm(displacement, axis=1)
 crest = start[:, 0] < 1.0
-depth, settled = thawed[crest].sum(), -displacement[crest & (start[:, 1] > 4 - h / 2), 1].mean()  # of one metre of width
+depth, settled = thawed[crest].sum(), -displacement[crest & (start[:, 1] > 4 - h), 1].mean()  # of one metre of width
 slid = startVolume[abs(displacement[:, 0]) > 0.1].sum()  # what has only settled goes straight down
 
 steps = np.linspace(0, 3, 3001)  # depths below the crest [m]
