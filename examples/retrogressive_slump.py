@@ -37,7 +37,7 @@ class Assumptions:
 	gridSpacing: float = 0.5  # [m]
 
 
-variations = {"excess": (0.2,), "angle": (4.0, 14.0), "air": (5.0,), "cohesion": (2000.0,), "gridSpacing": (0.25,)}
+variations = {"excess": (0.2,), "angle": (4.0,), "air": (5.0,), "cohesion": (2000.0,), "gridSpacing": (0.25,)}
 
 
 def outlineOf(ground):
