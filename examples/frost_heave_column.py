@@ -49,7 +49,7 @@ mpm = MpmEngine(
 		SurfaceTemperature(region="surface", days=[0, 5], values=[1, cold]),
 	],
 )
-position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, h, depth), h)
+position, volume = talik.geometry.fillPolygon(talik.geometry.rectangle(0, 0, h, depth), h, pointsPerCell=1)
 below = depth - position[:, 1]
 pressure = 9810 * (below - table)
 stress = np.zeros((len(volume), 4))
@@ -64,7 +64,8 @@ while mpm.calendar["day"] < winter - 1e-6:
 	talik.runUntilDay(mpm, min(winter, mpm.calendar["day"] + 2))
 	frozen = (mpm.field("iceSaturation") * volume).sum() / 0.95 / h
 	ice = mpm.field("segregatedVolume").sum() / h
-	rows.append((mpm.calendar["day"], frozen, ice, mpm.field("displacement")[top, 1], mpm.balance()["waterDrawn"] / h / 1000))
+	surface = mpm.field("displacement")[top, 1] + 0.5 * (mpm.field("volume")[top] - volume[top]) / h
+	rows.append((mpm.calendar["day"], frozen, ice, surface, mpm.balance()["waterDrawn"] / h / 1000))
 day, frozen, ice, heave, drawn = np.array(rows).T
 
 frozenConductivity, latent = (1 - porosity) + porosity * (0.95 * 2.2 + 0.05 * 0.6), 334e3
@@ -107,6 +108,6 @@ output.writeSummary(
 		"heave [m]": heave[-1],
 	},
 )
-if abs(ice[-1] / byHand[-1] - 1) > 0.1:
-	raise SystemExit("the excess ice is more than 10 % off the calculation by hand")
+if not 0.85 < ice[-1] / byHand[-1] < 1.05:  # by hand the ground itself has no heat, so that the front is deeper
+	raise SystemExit("the excess ice is more than 15 % below the calculation by hand, or 5 % above it")
 print(f"picture and summary are in {folder}")
