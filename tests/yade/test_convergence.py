@@ -112,7 +112,7 @@ def test_the_command_runs_both_cases_and_writes_table_picture_and_rows(smallStud
 	said = capsys.readouterr().out
 	print(said)
 	rows = json.loads((tmp_path / "out" / "rows.json").read_text())
-	assert len(rows) == 4 and all(row["history"][-1][0] == 2 and row["steps"] > 100 and row["points"] > 80 and row["cpu"] > 0 for row in rows.values())
+	assert len(rows) == 4 and all(row["history"][-1][0] == 2 and row["steps"] > 100 and row["points"] > 20 and row["cpu"] > 0 for row in rows.values())
 	coarse, fine = (rows[convergence.rowKey("surface", few[0], value)]["steps"] for value in few[0].values)
 	assert fine == pytest.approx(2 * coarse, rel=0.05)  # half the time step
 	for case in convergence.cases:

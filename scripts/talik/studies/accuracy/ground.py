@@ -11,7 +11,7 @@ sweeps = {
 	"time-step fraction": (0.1,),
 	"transfer": ("apic", "tpic"),
 	"PIC time over sqrt(h/g)": (0.1,),
-	"shape function": ("gimp", "linear"),
+	"shape function": ("gimp",),
 }
 quick = {**sweeps, "time-step fraction": (0.2, 0.55), "PIC time over sqrt(h/g)": (1e6, 10.0)}
 

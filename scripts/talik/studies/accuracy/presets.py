@@ -59,7 +59,8 @@ comparedByHand = (
 	"frost_heave_column",
 	"chilled_pipeline",
 )
-withoutKnob = ("melting_column", *comparedByHand, "thaw_slump_bowl", "centrifuge_slopes", "slope_at_risk")
+measured = ("heave_test", "borehole_years", "field_slope", "retrogressive_slump")  # held against the ground
+withoutKnob = ("melting_column", *comparedByHand, "thaw_slump_bowl", "centrifuge_slopes", "slope_at_risk", *measured)
 
 
 def presetsOf(file):
