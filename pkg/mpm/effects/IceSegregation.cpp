@@ -54,7 +54,7 @@ namespace {
 	{
 		Vec<D> x;
 		for (int a = 0; a < D; ++a)
-			x[a] = grid.lower()[a] + (cell / grid.cellStride(a) % grid.cells(a) + 0.5) * grid.spacing();
+			x[a] = grid.lower()[a] + (grid.place(cell, a) + 0.5) * grid.spacing();
 		return x;
 	}
 } // namespace
@@ -145,7 +145,7 @@ template <int D> struct IceSegregation<D>::Row {
 	/// The cell beside, or -1 where there is no ground.
 	int beside(int cell, int axis, int side) const
 	{
-		const int at = cell / grid.cellStride(axis) % grid.cells(axis) + side, next = cell + side * grid.cellStride(axis);
+		const int at = grid.place(cell, axis) + side, next = cell + side * grid.cellStride(axis);
 		if (at < 0 || at == grid.cells(axis) || next < range.firstCell || next >= range.lastCell || !(of.cells_[next].volume > 0.0)) return -1;
 		return next;
 	}
@@ -156,7 +156,7 @@ template <int D> struct IceSegregation<D>::Row {
 	{
 		constexpr int mostEmpty = 2; // with 1 the column of 20 days has half of its ice on cells of 2.5 cm, with 4 no row changes
 		const int     stride    = side * grid.cellStride(axis);
-		int           at        = cell / grid.cellStride(axis) % grid.cells(axis);
+		int           at        = grid.place(cell, axis);
 		for (int next = cell + stride; next != cell + (mostEmpty + 2) * stride; next += stride) {
 			at += side;
 			if (at < 0 || at == grid.cells(axis) || next < range.firstCell || next >= range.lastCell || (next - from) / stride > farthestBehind)
@@ -260,7 +260,7 @@ template <int D> struct IceSegregation<D>::Row {
 	/// Where a front lies along an axis.
 	double placeOfFront(int cell, double part) const
 	{
-		const int row = cell / grid.cellStride(axis) % grid.cells(axis) + (side > 0);
+		const int row = grid.place(cell, axis) + (side > 0);
 		return grid.lower()[axis] + (row - side * part) * grid.spacing();
 	}
 
