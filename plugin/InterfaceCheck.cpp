@@ -110,124 +110,60 @@ namespace {
 		return "is not entry " + std::to_string(slot) + " of the virtual table";
 	}
 
-#define MEMBER(Class, attribute)                                                                                   \
-	{                                                                                                          \
-#Class "." #attribute, [] { return getterViolation(#Class, #attribute, &yade::Class::attribute); } \
-	}
-#define SIZE(Class)                                                                       \
-	{                                                                                 \
-#Class ".size", [] { return sizeViolation(#Class, sizeof(yade::Class)); } \
-	}
-#define VIRTUAL(Class, lengthAndName, method, signature)                                                                                             \
-	{                                                                                                                                            \
-#Class "." #method "()", [] { return slotViolation("_ZTVN4yade" lengthAndName "E", "_ZN" signature, slotOf(&yade::Class::method)); } \
-	}
+#define SIZE(r, all, Class) all.push_back({ TEXT(Class) ".size", [] { return sizeViolation(TEXT(Class), sizeof(yade::Class)); } });
+#define MEMBER(r, Class, member) \
+	all.push_back({ TEXT(Class) "." TEXT(member), [] { return getterViolation(TEXT(Class), TEXT(member), &yade::Class::member); } });
+#define TEXT(name) BOOST_PP_STRINGIZE(name)
+#define SIZES(classes) BOOST_PP_SEQ_FOR_EACH(SIZE, all, classes)
+#define MEMBERS(Class, attributes) BOOST_PP_SEQ_FOR_EACH(MEMBER, Class, attributes)
+#define VIRTUAL(Class, lengthAndName, method, signature) \
+	all.push_back({ #Class "." #method "()", [] { return slotViolation("_ZTVN4yade" lengthAndName "E", "_ZN" signature, slotOf(&yade::Class::method)); } })
 
 	/// What the compiled code touches. ("K" in a signature: const member function.)
 	std::vector<Expectation> expectations()
 	{
 		using namespace yade;
-		return {
-			SIZE(Engine),
-			SIZE(GlobalEngine),
-			SIZE(Functor),
-			SIZE(IPhysFunctor),
-			SIZE(LawFunctor),
-			SIZE(GlIPhysFunctor),
-			SIZE(State),
-			SIZE(Body),
-			SIZE(Material),
-			SIZE(FrictMat),
-			SIZE(Shape),
-			SIZE(Sphere),
-			SIZE(Interaction),
-			SIZE(NormPhys),
-			SIZE(FrictPhys),
-			SIZE(ScGeom),
-			SIZE(Cell),
-			SIZE(Scene),
-			SIZE(BodyContainer),
-			SIZE(InteractionContainer),
-			SIZE(Wall),
-			SIZE(Box),
-			SIZE(Facet),
-			SIZE(TimeStepper),
-			SIZE(Collider),
-			SIZE(GlExtraDrawer),
-			MEMBER(Engine, dead),
-			MEMBER(Engine, ompThreads),
-			MEMBER(Engine, label),
-			MEMBER(Functor, label),
-			MEMBER(Material, density),
-			MEMBER(Material, label),
-			MEMBER(ElastMat, young),
-			MEMBER(ElastMat, poisson),
-			MEMBER(FrictMat, frictionAngle),
-			MEMBER(State, vel),
-			MEMBER(State, mass),
-			MEMBER(State, angVel),
-			MEMBER(State, inertia),
-			MEMBER(State, refPos),
-			MEMBER(State, isDamped),
-			MEMBER(State, densityScaling),
-			MEMBER(Body, id),
-			MEMBER(Body, material),
-			MEMBER(Body, state),
-			MEMBER(Body, shape),
-			MEMBER(Body, bound),
-			MEMBER(Body, clumpId),
-			MEMBER(Body, groupMask),
-			MEMBER(Wall, sense),
-			MEMBER(Wall, axis),
-			MEMBER(Box, extents),
-			MEMBER(Facet, vertices),
-			MEMBER(TimeStepper, active),
-			MEMBER(Collider, avoidSelfInteractionMask),
-			MEMBER(GlExtraDrawer, dead),
-			MEMBER(Sphere, radius),
-			MEMBER(Shape, color),
-			MEMBER(Interaction, id1),
-			MEMBER(Interaction, id2),
-			MEMBER(Interaction, geom),
-			MEMBER(Interaction, phys),
-			MEMBER(Interaction, cellDist),
-			MEMBER(Interaction, iterMadeReal),
-			MEMBER(GenericSpheresContact, normal),
-			MEMBER(GenericSpheresContact, contactPoint),
-			MEMBER(ScGeom, penetrationDepth),
-			MEMBER(ScGeom, shearInc),
-			MEMBER(NormPhys, kn),
-			MEMBER(NormPhys, normalForce),
-			MEMBER(NormShearPhys, ks),
-			MEMBER(NormShearPhys, shearForce),
-			MEMBER(FrictPhys, tangensOfFrictionAngle),
-			MEMBER(Cell, refHSize),
-			MEMBER(Cell, prevHSize),
-			MEMBER(Cell, nextVelGrad),
-			MEMBER(Cell, prevVelGrad),
-			MEMBER(Cell, homoDeform),
-			MEMBER(Scene, dt),
-			MEMBER(Scene, iter),
-			MEMBER(Scene, time),
-			MEMBER(Scene, isPeriodic),
-			MEMBER(Scene, stopAtIter),
-			MEMBER(Scene, trackEnergy),
-			MEMBER(Scene, selectedBody),
-			MEMBER(Scene, tags),
-			VIRTUAL(Engine, "6Engine", isActivated, "4yade6Engine11isActivatedEv"),
-			VIRTUAL(Engine, "6Engine", action, "4yade6Engine6actionEv"),
-			VIRTUAL(Serializable, "12Serializable", pyRegisterClass, "4yade12Serializable15pyRegisterClassEN5boost6python3api6objectE"),
-			VIRTUAL(Serializable, "12Serializable", callPostLoad, "4yade12Serializable12callPostLoadEv"),
-			VIRTUAL(Material, "8Material", newAssocState, "K4yade8Material13newAssocStateEv"),
-			VIRTUAL(FrictMat, "8FrictMat", getClassIndex, "K4yade8FrictMat13getClassIndexEv"),
-			VIRTUAL(FrictMat, "8FrictMat", getBaseClassIndex, "K4yade8FrictMat17getBaseClassIndexEi"),
-			VIRTUAL(FrictPhys, "9FrictPhys", getClassIndex, "K4yade9FrictPhys13getClassIndexEv"),
-			VIRTUAL(FrictPhys, "9FrictPhys", getBaseClassIndex, "K4yade9FrictPhys17getBaseClassIndexEi"),
-			VIRTUAL(Collider, "8Collider", invalidatePersistentData, "4yade8Collider24invalidatePersistentDataEv"),
-			VIRTUAL(GlExtraDrawer, "13GlExtraDrawer", render, "4yade13GlExtraDrawer6renderEv"),
-			VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", renders, "K4yade14GlIPhysFunctor7rendersB5cxx11Ev"),
-			VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", initgl, "4yade14GlIPhysFunctor6initglEv"),
-		};
+		std::vector<Expectation> all;
+		SIZES((Engine)(GlobalEngine)(Functor)(IPhysFunctor)(LawFunctor)(GlIPhysFunctor)(State)(Body)(Material)(FrictMat)(Shape)(Sphere));
+		SIZES((Interaction)(NormPhys)(FrictPhys)(ScGeom)(Cell)(Scene)(BodyContainer)(InteractionContainer)(Wall)(Box)(Facet)(TimeStepper));
+		SIZES((Collider)(GlExtraDrawer));
+		MEMBERS(Engine, (dead)(ompThreads)(label));
+		MEMBERS(Functor, (label));
+		MEMBERS(Material, (density)(label));
+		MEMBERS(ElastMat, (young)(poisson));
+		MEMBERS(FrictMat, (frictionAngle));
+		MEMBERS(State, (vel)(mass)(angVel)(inertia)(refPos)(isDamped)(densityScaling));
+		MEMBERS(Body, (id)(material)(state)(shape)(bound)(clumpId)(groupMask));
+		MEMBERS(Wall, (sense)(axis));
+		MEMBERS(Box, (extents));
+		MEMBERS(Facet, (vertices));
+		MEMBERS(TimeStepper, (active));
+		MEMBERS(Collider, (avoidSelfInteractionMask));
+		MEMBERS(GlExtraDrawer, (dead));
+		MEMBERS(Sphere, (radius));
+		MEMBERS(Shape, (color));
+		MEMBERS(Interaction, (id1)(id2)(geom)(phys)(cellDist)(iterMadeReal));
+		MEMBERS(GenericSpheresContact, (normal)(contactPoint));
+		MEMBERS(ScGeom, (penetrationDepth)(shearInc));
+		MEMBERS(NormPhys, (kn)(normalForce));
+		MEMBERS(NormShearPhys, (ks)(shearForce));
+		MEMBERS(FrictPhys, (tangensOfFrictionAngle));
+		MEMBERS(Cell, (refHSize)(prevHSize)(nextVelGrad)(prevVelGrad)(homoDeform));
+		MEMBERS(Scene, (dt)(iter)(time)(isPeriodic)(stopAtIter)(trackEnergy)(selectedBody)(tags));
+		VIRTUAL(Engine, "6Engine", isActivated, "4yade6Engine11isActivatedEv");
+		VIRTUAL(Engine, "6Engine", action, "4yade6Engine6actionEv");
+		VIRTUAL(Serializable, "12Serializable", pyRegisterClass, "4yade12Serializable15pyRegisterClassEN5boost6python3api6objectE");
+		VIRTUAL(Serializable, "12Serializable", callPostLoad, "4yade12Serializable12callPostLoadEv");
+		VIRTUAL(Material, "8Material", newAssocState, "K4yade8Material13newAssocStateEv");
+		VIRTUAL(FrictMat, "8FrictMat", getClassIndex, "K4yade8FrictMat13getClassIndexEv");
+		VIRTUAL(FrictMat, "8FrictMat", getBaseClassIndex, "K4yade8FrictMat17getBaseClassIndexEi");
+		VIRTUAL(FrictPhys, "9FrictPhys", getClassIndex, "K4yade9FrictPhys13getClassIndexEv");
+		VIRTUAL(FrictPhys, "9FrictPhys", getBaseClassIndex, "K4yade9FrictPhys17getBaseClassIndexEi");
+		VIRTUAL(Collider, "8Collider", invalidatePersistentData, "4yade8Collider24invalidatePersistentDataEv");
+		VIRTUAL(GlExtraDrawer, "13GlExtraDrawer", render, "4yade13GlExtraDrawer6renderEv");
+		VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", renders, "K4yade14GlIPhysFunctor7rendersB5cxx11Ev");
+		VIRTUAL(GlIPhysFunctor, "14GlIPhysFunctor", initgl, "4yade14GlIPhysFunctor6initglEv");
+		return all;
 	}
 
 	std::string yadeVersion() { return py::extract<std::string>(py::str(py::import("yade.config").attr("version"))); }

@@ -102,6 +102,16 @@ inline long rowNotFinite(const ::boost::python::numpy::ndarray& array)
 /// The error that Python has raised, in words on one line, "ValueError in soils.py, line 12: no cohesion"; it is cleared.
 std::string takePythonError();
 
+/// A function of Python's; std::runtime_error with what it raises. The caller holds Python's lock.
+template <class... Arguments>::boost::python::object callPython(const char* module, const char* function, const Arguments&... arguments)
+{
+	try {
+		return ::boost::python::import(module).attr(function)(arguments...);
+	} catch (const ::boost::python::error_already_set&) {
+		throw std::runtime_error(std::string(module) + ": " + takePythonError());
+	}
+}
+
 } // namespace talik
 
 BOOST_CLASS_IMPLEMENTATION(talik::PythonFunction, boost::serialization::object_serializable)

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <core/Scene.hpp>
 #include <pkg/multiscale/engine/MpmEngine.hpp>
+#include <pkg/python/PythonFunction.hpp>
 
-#include <array>
 #include <boost/python/numpy.hpp>
 #include <cmath>
-#include <Eigen/Eigenvalues>
 #include <limits>
 
 namespace py = boost::python;
@@ -67,63 +66,6 @@ py::list MpmEngine::fields()
 }
 
 namespace {
-	/// Components of the strain that a deformation gradient stands for: in the plane xx, yy, xy; in space xx, yy, zz, yz, xz, xy.
-	template <int D> using StrainComponents = std::array<double, D == 2 ? 3 : 6>;
-
-	/// Logarithmic strain 1/2 ln(F F^T) [-] of the deformation gradient F_ij at f[i * D + j].
-	StrainComponents<2> logarithmicStrain(const std::array<double, 4>& f)
-	{
-		Eigen::Matrix2d F;
-		F << f[0], f[1], f[2], f[3];
-		const Eigen::Matrix2d b    = F * F.transpose();
-		const double          mean = 0.5 * b.trace(), radius = std::sqrt(std::max(0., mean * mean - b.determinant()));
-		const double          e1 = 0.5 * std::log(mean + radius), e2 = 0.5 * std::log(std::max(mean - radius, 1e-300));
-		const double          half = radius > 0 ? 0.5 * (e1 - e2) / radius : 0;
-		return { 0.5 * (e1 + e2) + 0.5 * half * (b(0, 0) - b(1, 1)), 0.5 * (e1 + e2) - 0.5 * half * (b(0, 0) - b(1, 1)), half * b(0, 1) };
-	}
-
-	StrainComponents<3> logarithmicStrain(const std::array<double, 9>& f)
-	{
-		const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(f.data());
-		if (!F.allFinite()) {
-			StrainComponents<3> none;
-			none.fill(std::numeric_limits<double>::quiet_NaN());
-			return none;
-		}
-		const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> b(Eigen::Matrix3d(F * F.transpose()));
-		const Eigen::Vector3d                                half = 0.5 * b.eigenvalues().array().max(1e-300).log();
-		const Eigen::Matrix3d                                e    = b.eigenvectors() * half.asDiagonal() * b.eigenvectors().transpose();
-		return { e(0, 0), e(1, 1), e(2, 2), e(1, 2), e(0, 2), e(0, 1) };
-	}
-
-	/// sqrt(2/3 e:e) of the deviator; in the plane that of plane strain.
-	double deviatoricStrain(const StrainComponents<2>& e)
-	{
-		const double third = (e[0] + e[1]) / 3;
-		return std::sqrt(2. / 3 * ((e[0] - third) * (e[0] - third) + (e[1] - third) * (e[1] - third) + third * third + 2 * e[2] * e[2]));
-	}
-
-	double deviatoricStrain(const StrainComponents<3>& e)
-	{
-		const double third = (e[0] + e[1] + e[2]) / 3;
-		double       sum   = 0.0;
-		for (int i = 0; i < 3; ++i)
-			sum += (e[i] - third) * (e[i] - third) + 2 * e[3 + i] * e[3 + i];
-		return std::sqrt(2. / 3 * sum);
-	}
-
-	/// strain or deviatoricStrain of the deformation gradient F_ij at f[i * D + j].
-	template <int D> vector<Real> strainIn(const string& name, const Real* f)
-	{
-		std::array<Real, D * D> components;
-		std::copy_n(f, D * D, components.begin());
-		const auto e = logarithmicStrain(components);
-		if (name == "strain") return { e.begin(), e.end() };
-		return { deviatoricStrain(e) };
-	}
-
-	vector<Real> strainOf(const string& name, const Real* f, int dimension) { return dimension == 2 ? strainIn<2>(name, f) : strainIn<3>(name, f); }
-
 	bool isStrain(const string& name) { return name == "strain" || name == "deviatoricStrain"; }
 
 	/// Rows of equal length as an array (n,) or (n, components).
@@ -141,11 +83,7 @@ namespace {
 py::object MpmEngine::strains(const string& name)
 {
 	if (!deformationRecord || !motion) throw std::invalid_argument("MpmEngine.field: " + name + " needs motion and deformationRecord=True.");
-	np::ndarray          f = py::extract<np::ndarray>(field("deformationGradient"))();
-	vector<vector<Real>> rows(f.shape(0));
-	for (std::size_t i = 0; i < rows.size(); ++i)
-		rows[i] = strainOf(name, reinterpret_cast<const Real*>(f.get_data()) + f.shape(1) * i, ground->dimension());
-	return arrayOf(rows);
+	return talik::callPython("talik._points", "strain", name, field("deformationGradient"));
 }
 
 /// Skeletons in use that give this measure.
@@ -221,7 +159,7 @@ vector<Real> MpmEngine::valueAt(const string& name, int id)
 		if (info.name == source)
 			for (int c = 0; c < info.components; ++c)
 				value.push_back(stored.find(source, c)[ground->placeOf(id)]);
-	return isStrain(name) ? strainOf(name, value.data(), ground->dimension()) : value;
+	return value; // a strain is told by history()
 }
 
 namespace {
@@ -277,7 +215,14 @@ void MpmEngine::recordWatched()
 py::dict MpmEngine::history(int id) const
 {
 	if (!watched) throw std::invalid_argument("MpmEngine.history: no point is watched; call watch([ids]) first.");
-	return watched->history(id);
+	py::dict   records   = watched->history(id);
+	const auto gradients = usedDimension() == 2 ? 4 : 9;
+	for (const char* name : { "strain", "deviatoricStrain" }) {
+		const py::object recorded = records.get(name);
+		if (!recorded.is_none() && recorded.attr("shape") == py::make_tuple(watched->times.size(), gradients))
+			records[name] = talik::callPython("talik._points", "strain", name, recorded);
+	}
+	return records;
 }
 
 py::dict MpmEngine::balance()

@@ -63,24 +63,20 @@ void MpmEngine::followInputs()
 
 py::object MpmEngine::pyAddPoints(py::tuple args, py::dict keywords)
 {
-	static const char* const names[] = { "position", "volume", "porosity", "temperature", "pressure",
-		                             "skeleton", "stress", "velocity", "poreFill",    "material" };
-	MpmEngine&               self    = py::extract<MpmEngine&>(args[0]);
-	for (int i = 1; i < py::len(args) && i <= 10; ++i)
-		keywords[names[i - 1]] = args[i];
-	self.addPoints(keywords);
+	MpmEngine& self = py::extract<MpmEngine&>(args[0]);
+	self.addPoints(args.slice(1, py::_), keywords);
 	return py::object();
 }
 
-void MpmEngine::addPoints(py::dict arrays)
+void MpmEngine::addPoints(const py::object& positional, const py::dict& named)
 {
 	if (hasBegun()) throw std::runtime_error("MpmEngine.addPoints: the ground has started; add all points before the first step.");
-	talik::PointTable more = points;
-	if (arrays.has_key("material")) {
-		arrays             = arrays.copy();
-		arrays["material"] = materialNumbers(arrays["material"]);
-	}
-	more.add(arrays);
+	py::list names;
+	for (const auto& each : materials)
+		names.append(each ? each->name : "");
+	const py::object  added = py::import("talik._points").attr("columns")(positional, named, points.dimension(), names);
+	talik::PointTable more  = points;
+	more.add(py::extract<int>(added[0]), py::extract<int>(added[1]), added[2]);
 	if (more.dimension() != 0) requireDimension(more.dimension());
 	points = std::move(more);
 	if (points.dimension() != 0) dimension = points.dimension();
@@ -111,40 +107,6 @@ int MpmEngine::usedDimension() const
 	if (dimension != 0) return dimension;
 	const auto inSpace = [](const talik::GroundVector& v) { return v.components() == 3; };
 	return inSpace(lower) || inSpace(upper) || inSpace(gravity) ? 3 : 2;
-}
-
-/// Place of a material in the list.
-int MpmEngine::materialNumber(const string& name) const
-{
-	string known;
-	for (size_t k = 0; k < materials.size(); ++k) {
-		if (!materials[k] || materials[k]->name.empty()) continue;
-		if (materials[k]->name == name) return k;
-		known += (known.empty() ? "" : ", ") + materials[k]->name;
-	}
-	throw std::invalid_argument(
-	        "MpmEngine.addPoints: material is '" + name + "', and MpmEngine.materials has "
-	        + (known.empty() ? "no material with a name: set materials=[GroundMaterial(name='" + name + "', …)] first." : "only " + known + "."));
-}
-
-/// Names of materials become their numbers; numbers stay.
-py::object MpmEngine::materialNumbers(const py::object& given) const
-{
-	const py::extract<string> name(given);
-	if (name.check()) return py::object(materialNumber(name()));
-	if (!PySequence_Check(given.ptr())) return given;
-	py::list  numbers;
-	const int count = PySequence_Size(given.ptr());
-	if (count < 0) { // an array without length is a number
-		PyErr_Clear();
-		return given;
-	}
-	for (int k = 0; k < count; ++k) {
-		const py::object          value = given[k];
-		const py::extract<string> one(value);
-		numbers.append(one.check() ? py::object(materialNumber(one())) : value);
-	}
-	return std::move(numbers);
 }
 
 int MpmEngine::pointCount() const { return points.count(); }
@@ -281,12 +243,8 @@ void MpmEngine::dropGround()
 vector<string> MpmEngine::foundHardlyMeant(const char* which)
 {
 	const talik::PythonLock held;
-	try {
-		const py::object sentences = py::import("talik.plausibility").attr(which)(py::ptr(this));
-		return { py::stl_input_iterator<string>(sentences), py::stl_input_iterator<string>() };
-	} catch (const py::error_already_set&) {
-		throw std::runtime_error("talik.plausibility: " + talik::takePythonError());
-	}
+	const py::object        sentences = talik::callPython("talik.plausibility", which, py::ptr(this));
+	return { py::stl_input_iterator<string>(sentences), py::stl_input_iterator<string>() };
 }
 
 /// With what shows once the ground is made. Not on several ranks, of which one alone may ask.

@@ -26,8 +26,8 @@ class MpmEngine : public GlobalEngine {
 public:
 	void action() override;
 
-	/// position (n,2) or (n,3) [m]; the rest scalars or arrays of n.
-	void addPoints(::boost::python::dict arrays);
+	/// Positional and named arguments of the function of Python, see talik._points.
+	void addPoints(const ::boost::python::object& positional, const ::boost::python::dict& named);
 	/// Checks every setting and sets the initial state; done by the first step otherwise.
 	void initialise();
 	bool isInitialised() const { return ground != nullptr; }
@@ -93,8 +93,6 @@ private:
 	void                            checkPresence() const;
 	void                            checkEngines() const;
 	void                            checkMaterials() const;
-	int                             materialNumber(const string& name) const;
-	::boost::python::object         materialNumbers(const ::boost::python::object& given) const;
 	void                            checkChangeable() const;
 	void                            checkFixed() const;
 	bool                            isAsSet() const;

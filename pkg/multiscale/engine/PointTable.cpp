@@ -17,19 +17,8 @@ namespace talik {
 namespace {
 	constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-	struct Column {
-		const char* name;
-		int         components;
-		double      byDefault;
-	};
-
 	/// What follows the position, in its order.
-	std::vector<Column> optionalColumns(int dimension)
-	{
-		return { { "volume", 1, none },        { "porosity", 1, 0.4 }, { "temperature", 1, 0 },
-			 { "pressure", 1, 0 },         { "skeleton", 1, 0 },   { "stress", dimension == 2 ? stressSize<2> : stressSize<3>, none },
-			 { "velocity", dimension, 0 }, { "poreFill", 1, none } };
-	}
+	constexpr const char* optionalColumns[] = { "volume", "porosity", "temperature", "pressure", "skeleton", "stress", "velocity", "poreFill" };
 
 	/// What is the same for all points is held once.
 	void holdOnce(std::vector<double>& column, std::size_t width)
@@ -41,36 +30,6 @@ namespace {
 		column.shrink_to_fit();
 	}
 
-	/// The numbers of one column, once or for each point, from a scalar, a row of components, or an array with a row per point.
-	std::vector<double> columnFrom(const py::object& values, const Column& column, int points, int dimension)
-	{
-		const np::ndarray array = asArray(std::string("addPoints: ") + column.name, values);
-		const double*     data  = reinterpret_cast<const double*>(array.get_data());
-		long              size  = 1;
-		for (int d = 0; d < array.get_nd(); ++d)
-			size *= array.shape(d);
-		const int  components = column.components;
-		const bool uniform    = size == components && (components > 1 || array.get_nd() == 0 || points == 1);
-		if (!uniform && size != long(points) * components)
-			throw std::invalid_argument(
-			        "MpmEngine.addPoints: " + std::string(column.name) + " has " + std::to_string(size) + " numbers for " + std::to_string(points)
-			        + " points: give " + std::to_string(components) + " or " + std::to_string(long(points) * components)
-			        + (std::string(column.name) != "stress" ? "."
-			                   : dimension == 2             ? ", in the order of field('stress'): xx, yy, zz, xy."
-			                                                : ", in the order of field('stress'): xx, yy, zz, yz, xz, xy."));
-		std::vector<double> numbers(data, data + size);
-		holdOnce(numbers, components);
-		return numbers;
-	}
-
-	/// skeleton is the number of a law, material that of a material: half a number is none.
-	void requireWholeNumbers(const std::vector<double>& column, const std::string& name, const std::string& list)
-	{
-		for (const double number : column)
-			if (number != std::floor(number) || std::abs(number) > 1e9)
-				throw std::invalid_argument(
-				        "MpmEngine.addPoints: " + name + " is " + talik::asText(number) + ": give " + list + ", a whole number.");
-	}
 } // namespace
 
 np::ndarray asArray(const std::string& name, const py::object& values)
@@ -84,54 +43,24 @@ np::ndarray asArray(const std::string& name, const py::object& values)
 	}
 }
 
-void PointTable::add(const py::dict& arrays)
+void PointTable::add(int points, int dimension, const py::object& arrays)
 {
-	if (!arrays.has_key("position")) throw std::invalid_argument("MpmEngine.addPoints: position is missing; give an array (n,2) or (n,3) [m].");
-	const np::ndarray position = asArray("addPoints: position", arrays["position"]);
-	if (position.get_nd() != 2 || (position.shape(1) != 2 && position.shape(1) != 3))
-		throw std::invalid_argument("MpmEngine.addPoints: position is not an array (n,2) or, in space, (n,3).");
-	const int points = position.shape(0), dimension = position.shape(1);
-	if (dimension_ != 0 && dimension != dimension_)
-		throw std::invalid_argument(
-		        "MpmEngine.addPoints: position is an array (n," + std::to_string(dimension) + "), but points with " + std::to_string(dimension_)
-		        + " coordinates were added before: give all points the same number of them.");
-	py::list unknown = arrays.keys();
-	unknown.remove("position");
-	std::vector<std::vector<double>> columns { columnFrom(arrays["position"], { "position", dimension, 0 }, points, dimension) };
-	for (const Column& column : optionalColumns(dimension)) {
-		if (!arrays.has_key(column.name)) {
-			columns.emplace_back(column.components, column.byDefault);
-			continue;
-		}
-		columns.push_back(columnFrom(arrays[column.name], column, points, dimension));
-		unknown.remove(column.name);
-		const auto& numbers = columns.back();
-		if (std::string(column.name) == "stress" && std::any_of(numbers.begin(), numbers.end(), [](double s) { return std::isnan(s); }))
-			throw std::invalid_argument("MpmEngine.addPoints: stress is nan: give finite numbers in Pa, or leave stress out for none.");
-		if (std::string(column.name) == "skeleton") requireWholeNumbers(columns.back(), "skeleton", "the number of a law in skeletons");
-	}
-	std::vector<double> materials { 0.0 };
-	if (arrays.has_key("material")) {
-		materials = columnFrom(arrays["material"], { "material", 1, 0 }, points, dimension);
-		unknown.remove("material");
-		requireWholeNumbers(materials, "material", "the name or number of a material in materials");
-	}
-	if (py::len(unknown) > 0) {
-		std::string known = "position";
-		for (const Column& column : optionalColumns(dimension))
-			known += std::string(", ") + column.name;
-		throw std::invalid_argument(
-		        "MpmEngine.addPoints: there is no argument '" + std::string(py::extract<std::string>(unknown[0])) + "': choose among " + known
-		        + " and material.");
-	}
 	if (points == 0) return;
-	const bool several = !materials_.empty() || std::any_of(materials.begin(), materials.end(), [](double m) { return m != 0.0; });
-	if (several) {
+	dimension_ = dimension;
+	std::vector<Numbers> columns;
+	for (int c = 0; c < py::len(arrays); ++c) {
+		const np::ndarray array = py::extract<np::ndarray>(arrays[c]);
+		const auto*       data  = reinterpret_cast<const double*>(array.get_data());
+		columns.emplace_back(data, data + long(py::extract<long>(array.attr("size"))));
+		holdOnce(columns.back(), width(std::size_t(c)));
+	}
+	const Numbers materials = std::move(columns.back());
+	columns.pop_back();
+	if (!materials_.empty() || materials != Numbers { 0. }) {
 		materials_.resize(count(), 0);
 		for (int p = 0; p < points; ++p)
 			materials_.push_back(int(materials[materials.size() == 1 ? 0 : p]));
 	}
-	dimension_ = dimension;
 	columns_.resize(columns.size());
 	for (std::size_t c = 0; c < columns.size(); ++c)
 		append(c, columns[c], points);
@@ -217,11 +146,12 @@ py::dict PointTable::arrays() const
 			reinterpret_cast<double*>(array.get_data())[k] = numberAt(int(k / width), int(k % width));
 		all[name] = array;
 	};
-	const auto  optional = optionalColumns(dimension_);
-	std::size_t column   = 0;
+	std::size_t column = 0;
 	put("position", std::size_t(dimension_), [&](int id, int c) { return position(id, c); });
-	for (const Column& each : optional)
-		put(each.name, std::size_t(each.components), [&, k = ++column](int id, int c) { return number(k, id, c); });
+	for (const char* name : optionalColumns) {
+		++column;
+		put(name, width(column), [&](int id, int c) { return number(column, id, c); });
+	}
 	put("material", 1, [&](int id, int) { return double(material(id)); });
 	return all;
 }

@@ -21,12 +21,11 @@ public:
 	int  count() const { return count_; }
 	bool empty() const { return count_ == 0; }
 
-	/// Adds the points of a dictionary of scalars and arrays, see MpmEngine.addPoints. Throws std::invalid_argument and leaves the
-	/// table as it is if something is missing, unknown, or not as long as position.
-	void add(const ::boost::python::dict& arrays);
+	/// Adds points in columns, as talik._points makes them of the arguments of MpmEngine.addPoints.
+	void add(int points, int dimension, const ::boost::python::object& arrays);
 
 	template <int D> PointInput<D> point(int id) const;
-	/// The same dictionary, of arrays with a row for each point.
+	/// By their names, arrays with a row for each point.
 	::boost::python::dict arrays() const;
 
 	double position(int id, int axis) const { return number(0, id, axis); }

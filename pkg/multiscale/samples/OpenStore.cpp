@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/multiscale/samples/OpenStore.hpp>
 #include <pkg/python/StepGate.hpp>
-#include <pkg/rve/open/ScenePacking.hpp>
 
 #include <omp.h>
 #include <set>
@@ -9,15 +8,6 @@
 
 namespace talik {
 namespace {
-
-	template <int Dim> Eigen::Matrix3d inSpace(const typename PackedTypes<Dim>::Matrix& m)
-	{
-		Eigen::Matrix3d all                    = Eigen::Matrix3d::Zero();
-		all.template topLeftCorner<Dim, Dim>() = m;
-		return all;
-	}
-
-	template <int Dim> typename PackedTypes<Dim>::Matrix part(const Eigen::Matrix3d& m) { return m.template topLeftCorner<Dim, Dim>(); }
 
 	/// The tangent of the first Dim directions.
 	template <int Dim> PackedTangent<Dim> part(const PackedTangent<3>& c)
@@ -31,10 +21,10 @@ namespace {
 		return result;
 	}
 
-	template <int Dim> PackedUpdateResult<Dim> part(const OpenUpdateResult& all)
+	template <int Dim> PackedUpdateResult<Dim> part(const PackedUpdateResult<3>& all)
 	{
 		PackedUpdateResult<Dim> result;
-		result.stress  = part<Dim>(all.stress);
+		result.stress  = partOf<Dim>(all.stress);
 		result.steps   = all.steps;
 		result.flipped = all.flipped;
 		result.blewUp  = all.blewUp;
@@ -43,85 +33,59 @@ namespace {
 		return result;
 	}
 
+	std::shared_ptr<OpenSample> copyOf(const OpenSample& sample)
+	{
+		const auto copy = std::make_shared<OpenSample>(sceneToBytes(sample.yadeScene()));
+		copy->setBondCounts(sample.bondCounts());
+		return copy;
+	}
+
 } // namespace
-
-template <int Dim> OpenSample OpenStore<Dim>::Beginning::makeSample() const
-{
-	OpenSample sample(scene);
-	sample.setBondCounts(bondCounts);
-	return sample;
-}
-
-template <int Dim> typename OpenStore<Dim>::BeginningPointer OpenStore<Dim>::describe(OpenSample& sample)
-{
-	auto beginning           = std::make_shared<Beginning>();
-	beginning->scene         = sceneToBytes(sample.yadeScene());
-	beginning->bondCounts    = sample.bondCounts();
-	beginning->iceSaturation = sample.iceSaturation();
-	beginning->hasIce        = sample.hasIce();
-	beginning->start.stress  = part<Dim>(sample.stress());
-	beginning->start.tangent = part<Dim>(sample.tangent());
-	beginning->statistics    = sample.statistics();
-	beginning->stiffness     = sample.stiffnessBound();
-	return beginning;
-}
 
 template <int Dim> OpenStore<Dim>::OpenStore(const std::vector<std::string>& scenes)
 {
 	for (std::size_t k = 0; k < scenes.size(); ++k) {
 		try {
-			OpenSample sample(scenes[k]);
-			if (Dim == 3 && sample.planar()) throw std::invalid_argument("its grains are discs, and the ground is in space: give spheres.");
-			prototypes.push_back(describe(sample));
+			prototypes.push_back(std::make_shared<OpenSample>(scenes[k]));
+			if (Dim == 3 && prototypes.back()->planar())
+				throw std::invalid_argument("its grains are discs, and the ground is in space: give spheres.");
+			stiffness.push_back(prototypes.back()->stiffnessBound());
 		} catch (const std::invalid_argument& problem) {
 			throw std::invalid_argument("RveSkeleton, sample " + std::to_string(k) + ": " + problem.what());
 		}
 	}
 }
 
-template <int Dim>
-typename OpenStore<Dim>::BeginningPointer OpenStore<Dim>::frozen(int prototype, double iceSaturation, const PackedUpdateOptions& options) const
-{
-	const BeginningPointer prepared = prototypes.at(prototype);
-	if (!prepared->hasIce || prepared->iceSaturation == iceSaturation) return prepared;
-	forbidRedirection();
-	OpenSample sample = prepared->makeSample();
-	const auto result = sample.apply(Eigen::Matrix3d::Zero(), iceSaturation, options);
-	if (result.blewUp) throw std::runtime_error("RveSkeleton: sample " + std::to_string(prototype) + " does not survive freezing: " + result.reason);
-	return describe(sample);
-}
-
 template <int Dim> const SampleStart<Dim>& OpenStore<Dim>::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
 {
-	auto& beginning = beginnings[{ prototype, iceSaturation }];
-	if (!beginning) beginning = frozen(prototype, iceSaturation, options);
-	samples.push_back({ beginning, nullptr });
-	return beginning->start;
+	Beginning& beginning = beginnings[{ prototype, iceSaturation }];
+	if (!beginning.sample) {
+		Pointer sample = prototypes.at(prototype);
+		if (sample->hasIce() && sample->iceSaturation() != iceSaturation) {
+			forbidRedirection();
+			sample            = copyOf(*sample);
+			const auto result = sample->apply(Eigen::Matrix3d::Zero(), iceSaturation, options);
+			if (result.blewUp)
+				throw std::runtime_error("RveSkeleton: sample " + std::to_string(prototype) + " does not survive freezing: " + result.reason);
+		}
+		beginning = { sample, { partOf<Dim>(sample->stress()), part<Dim>(sample->tangent()) } };
+	}
+	samples.push_back(beginning.sample);
+	return beginning.start;
 }
-
-template <int Dim> typename OpenStore<Dim>::Sample& OpenStore<Dim>::at(std::size_t sample)
-{
-	if (sample >= samples.size()) throw std::invalid_argument("open samples: sample " + std::to_string(sample) + " of " + std::to_string(samples.size()));
-	return samples[sample];
-}
-
-template <int Dim> const typename OpenStore<Dim>::Sample& OpenStore<Dim>::at(std::size_t sample) const { return const_cast<OpenStore*>(this)->at(sample); }
 
 /// Scenes are made and archived by one thread: YADE's constructors ask the system for names.
 template <int Dim> void OpenStore<Dim>::prepare(const std::vector<PackedRequest<Dim>>& requests)
 {
 	forbidRedirection();
 	std::set<std::size_t> asked;
-	for (const auto& request : requests) {
-		at(request.sample);
+	for (const auto& request : requests)
 		if (!asked.insert(request.sample).second)
 			throw std::invalid_argument("open samples: sample " + std::to_string(request.sample) + " is asked twice in one update");
-	}
 	for (const std::size_t s : asked) {
-		Sample& sample = samples[s];
-		if (!sample.running) sample.running = std::make_unique<OpenSample>(sample.beginning->makeSample());
-		sample.running->keepState();
-		sample.beginning.reset();
+		Pointer& sample = samples.at(s);
+		if (sample.use_count() > 1) sample = copyOf(*sample);
+		sample->keepState();
 	}
 }
 
@@ -142,7 +106,7 @@ std::vector<PackedUpdateResult<Dim>> OpenStore<Dim>::update(const std::vector<Pa
 		const StepGate::Helper helper;
 		try {
 			results[std::size_t(k)] = part<Dim>(
-			        samples[request.sample].running->apply(inSpace<Dim>(request.displacementGradient), request.iceSaturation, chosen));
+			        samples[request.sample]->apply(inSpace<Dim>(request.displacementGradient), request.iceSaturation, chosen));
 		} catch (...) {
 			failures[std::size_t(k)] = std::current_exception();
 		}
@@ -150,14 +114,16 @@ std::vector<PackedUpdateResult<Dim>> OpenStore<Dim>::update(const std::vector<Pa
 	for (const auto& failure : failures)
 		if (failure) std::rethrow_exception(failure);
 	for (std::size_t k = 0; k < requests.size(); ++k)
-		if (results[k].blewUp) samples[requests[k].sample].running->recover();
+		if (results[k].blewUp) samples[requests[k].sample]->recover();
 	return results;
 }
 
 template <int Dim> std::vector<double> OpenStore<Dim>::measure(std::size_t number, const std::string& name) const
 {
-	const Sample&        sample     = at(number);
-	const OpenStatistics statistics = sample.running ? sample.running->statistics() : sample.beginning->statistics;
+	const auto& sample = *samples.at(number);
+	if (name == "cellSlips") return { 0. };
+	if (name == "sampleIceSaturation") return { sample.iceSaturation() };
+	const OpenStatistics statistics = sample.statistics();
 	if (name == "bondsIntact") return { double(statistics.bondsIntact) };
 	if (name == "bondsFormed") return { double(statistics.bondsFormed) };
 	if (name == "bondsBroken") return { double(statistics.bondsBroken) };
@@ -166,84 +132,45 @@ template <int Dim> std::vector<double> OpenStore<Dim>::measure(std::size_t numbe
 	if (name == "coordinationNumber") return { statistics.coordinationNumber };
 	if (name == "samplePorosity") return { statistics.porosity };
 	if (name == "cellThickness") return { statistics.cellThickness };
-	if (name == "cellSlips") return { 0. };
-	if (name == "sampleIceSaturation") return { sample.running ? sample.running->iceSaturation() : sample.beginning->iceSaturation };
-	if (name == "fabric") return components<Dim>(part<Dim>(statistics.fabric));
+	if (name == "fabric") return components<Dim>(partOf<Dim>(statistics.fabric));
 	refuseMeasure(name);
-}
-
-template <int Dim> const void* OpenStore<Dim>::identity(std::size_t sample) const
-{
-	const Sample& s = at(sample);
-	return s.running ? static_cast<const void*>(s.running.get()) : static_cast<const void*>(s.beginning.get());
 }
 
 template <int Dim> std::size_t OpenStore<Dim>::bytes() const
 {
-	std::size_t                sum = 0;
-	std::set<const Beginning*> counted;
-	for (const auto& sample : samples) {
-		if (sample.running) sum += sample.running->bytesKept();
-		else if (counted.insert(sample.beginning.get()).second) sum += sample.beginning->scene.size();
-	}
+	const std::set<Pointer> distinct(samples.begin(), samples.end());
+	std::size_t             sum = 0;
+	for (const auto& sample : distinct)
+		sum += sample->bytesKept();
 	return sum;
-}
-
-template <int Dim> boost::shared_ptr<yade::Scene> OpenStore<Dim>::scene(std::size_t number) const
-{
-	const Sample& sample = at(number);
-	return sceneForView(sample.running ? sceneToBytes(sample.running->yadeScene()) : sample.beginning->scene);
 }
 
 template <int Dim> void OpenStore<Dim>::setScene(std::size_t number, const boost::shared_ptr<yade::Scene>& scene)
 {
-	auto    replacement = std::make_unique<OpenSample>(sceneToBytes(scene));
-	Sample& sample      = at(number);
-	if (!sample.running) sample.running = std::make_unique<OpenSample>(sample.beginning->makeSample());
-	const std::uint64_t before = sample.running->statistics().bondsIntact, now = replacement->statistics().bondsIntact;
-	auto                counts = sample.running->bondCounts();
+	const auto          replacement = std::make_shared<OpenSample>(sceneToBytes(scene));
+	const std::uint64_t before = samples.at(number)->statistics().bondsIntact, now = replacement->statistics().bondsIntact;
+	auto                counts = samples[number]->bondCounts();
 	if (now > before) counts[0] += now - before;
 	replacement->setBondCounts(counts);
-	sample.running = std::move(replacement);
-	sample.beginning.reset();
+	samples[number] = replacement;
 }
 
-template <int Dim> double OpenStore<Dim>::costOfStep(std::size_t number) const
-{
-	const Sample& sample = at(number);
-	return sample.running ? double(sample.running->yadeScene()->bodies->size()) : 1.;
-}
-
-// whether it runs or shares its beginning, then the scene
 template <int Dim> void OpenStore<Dim>::saveState(ByteWriter& writer, std::size_t number) const
 {
-	const Sample& sample = at(number);
-	writer.number(bool(sample.running));
-	writer.block(sample.running ? sceneToBytes(sample.running->yadeScene()) : sample.beginning->scene);
-	for (const auto count : sample.running ? sample.running->bondCounts() : sample.beginning->bondCounts)
+	writer.block(sceneToBytes(samples.at(number)->yadeScene()));
+	for (const auto count : samples[number]->bondCounts())
 		writer.number(count);
 }
 
 template <int Dim> void OpenStore<Dim>::restoreState(ByteReader& reader, const std::vector<std::size_t>& numbers)
 {
-	const bool                   running = reader.number();
-	auto                         sample  = std::make_unique<OpenSample>(reader.block());
+	const auto                   sample = std::make_shared<OpenSample>(reader.block());
 	std::array<std::uint64_t, 2> counts;
 	for (auto& count : counts)
 		count = reader.number();
 	sample->setBondCounts(counts);
-	if (running) samples.at(numbers.at(0)) = Sample { nullptr, std::move(sample) };
-	else {
-		const BeginningPointer beginning = describe(*sample);
-		for (const auto number : numbers)
-			samples.at(number) = Sample { beginning, nullptr };
-	}
-}
-
-template <int Dim> void OpenStore<Dim>::resize(std::size_t count)
-{
-	samples.clear();
-	samples.resize(count);
+	for (const auto number : numbers)
+		samples.at(number) = sample;
 }
 
 TALIK_IN_PLANE_AND_SPACE(OpenStore);

@@ -18,8 +18,6 @@ using talik::PackedSample;
 using talik::PackedState;
 
 namespace {
-	template <int Dim> typename talik::PackedTypes<Dim>::Matrix part(const Matrix3r& m) { return m.topLeftCorner<Dim, Dim>(); }
-
 	py::tuple tupleOf(const std::vector<double>& values)
 	{
 		py::list list;
@@ -165,7 +163,7 @@ py::dict RveSample::apply(const Matrix3r& displacementGradient, Real iceSaturati
 template <int Dim> py::dict RveSample::applied(const Matrix3r& displacementGradient, Real iceSaturation, const talik::BondCreep& creep)
 {
 	PackedSample<Dim> sample(packed<Dim>());
-	const auto        result = sample.apply(part<Dim>(displacementGradient), iceSaturation, optionsOf(*this, creep));
+	const auto        result = sample.apply(talik::partOf<Dim>(displacementGradient), iceSaturation, optionsOf(*this, creep));
 	if (!result.blewUp) setPacked(sample.state());
 	py::dict d;
 	d["stress"] = tupleOf(talik::components<Dim>(result.stress));
@@ -177,7 +175,7 @@ void RveSample::advance(const Matrix3r& velGrad, long steps)
 {
 	withState([&](const auto& s) {
 		SampleOf<decltype(s)> sample(s);
-		sample.advance(part<dimensionOf<std::decay_t<decltype(s)>>>(velGrad), steps);
+		sample.advance(talik::partOf<dimensionOf<std::decay_t<decltype(s)>>>(velGrad), steps);
 		setPacked(sample.state());
 	});
 }
@@ -280,6 +278,11 @@ shared_ptr<RveSample> RveSample::copy() const
 	return other;
 }
 
+std::size_t RveSample::digest() const
+{
+	return withState([](const auto& s) { return std::hash<string>()(s.toBytes()); });
+}
+
 py::object RveSample::stateBytes() const
 {
 	const string bytes = withState([](const auto& s) { return s.toBytes(); });
@@ -327,9 +330,8 @@ void RveSample::setThawedStrength(Real strength)
 Matrix3r RveSample::deformation() const
 {
 	return withState([](const auto& s) {
-		constexpr int dim                    = dimensionOf<std::decay_t<decltype(s)>>;
-		Matrix3r      m                      = Matrix3r::Identity();
-		m.template topLeftCorner<dim, dim>() = s.trsf;
+		Matrix3r m = talik::inSpace<dimensionOf<std::decay_t<decltype(s)>>>(s.trsf);
+		if (s.trsf.rows() == 2) m(2, 2) = 1;
 		return m;
 	});
 }

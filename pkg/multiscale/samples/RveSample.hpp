@@ -59,6 +59,7 @@ public:
 	int dimension() const;
 	/// Throws std::invalid_argument on a sample of the other dimension.
 	template <int Dim> const talik::PackedState<Dim>& packed() const;
+	std::size_t                                       digest() const; ///< of the whole state
 	/// Another one whenever the state has changed; empty sample: null.
 	std::shared_ptr<const void> stateNow() const;
 	template <int Dim> void     setPacked(talik::PackedState<Dim>);
@@ -146,6 +147,7 @@ public:
 	Matrix3r              stress() const { return sample().stress(); }
 	Matrix3r              deformation() const { return sample().deformation(); }
 	Real                  iceSaturation() const { return sample().iceSaturation(); }
+	Real                  stiffness(int axis) const { return sample().tangent().at(std::size_t(40 * axis)); }
 	::boost::python::dict statistics() const;
 	/// The scene itself: what is done to it is done to the sample.
 	shared_ptr<Scene> runningScene() const { return sample().yadeScene(); }
@@ -180,6 +182,8 @@ public:
 				"bondRange, and ice springs form stress-free.")
 		.def("statistics",&OpenRveSample::statistics,"Dictionary: contacts, bondsIntact, bondsFormed, bondsBroken, bondsMelted, coordinationNumber, porosity, "
 				"fabric (Matrix3), unbalancedForce, kineticEnergy.")
+		.def("stiffness",&OpenRveSample::stiffness,(::boost::python::arg("axis")),"Modulus of the contacts along an axis, 0 to 2, with no strain across it: an "
+				"upper bound of that of the sample [Pa].")
 		.def("open",&OpenRveSample::open,"A copy of the Scene that runs, with as many threads as O has, for talik.inspect or O.")
 		.add_property("scene",&OpenRveSample::runningScene,"The Scene that runs, not a copy, stepped by one thread; talik.inspect shows it in a yade of one thread "
 				"(-j1).")

@@ -4,7 +4,8 @@
 #include <pkg/common/Sphere.hpp>
 #include <pkg/icebond/IceLaws.hpp>
 #include <pkg/multiscale/samples/RveSkeleton.hpp>
-#include <pkg/multiscale/samples/SlipFriction.hpp>
+#include <pkg/python/PythonFunction.hpp>
+#include <pkg/python/StepGate.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
 
 #include <boost/python/numpy.hpp>
@@ -219,32 +220,13 @@ namespace {
 		}
 		return digest;
 	}
-
-	template <int Dim> talik::SteadyFriction measuredNow(const std::vector<talik::ShearedSource<Dim>>& sources, int threads)
-	{
-		talik::SteadyFriction found;
-		try {
-			found = talik::steadyFriction<Dim>(sources, threads);
-		} catch (const std::runtime_error& problem) {
-			throw std::runtime_error(
-			        "RveSkeleton.slipFriction is nan, and the friction of the samples could not be measured: " + string(problem.what())
-			        + "; give slipFriction, e.g. 0.3.");
-		}
-		if (talik::isFirstRank())
-			std::cerr << "RveSkeleton: samples slip at the thaw front with their friction in steady simple shear, " << std::setprecision(3)
-			          << found.mean << " with a standard error of " << std::setprecision(2) << found.error << " (" << found.samples
-			          << (found.samples == 1 ? " sample" : " samples") << " measured); slipFriction gives another." << std::setprecision(6)
-			          << std::endl;
-		return found;
-	}
 } // namespace
 
 string RveSkeleton::sourcesDigest(int dimension) const
 {
 	std::size_t digest = mixed(std::size_t(dimension));
-	const auto  bytes  = [](const auto& sample) { return sample.toBytes(); };
 	for (const auto& sample : samples)
-		mix(digest, std::hash<string>()(sample->dimension() == 2 ? bytes(sample->template packed<2>()) : bytes(sample->template packed<3>())));
+		mix(digest, sample->digest());
 	for (const auto& scene : scenes)
 		mix(digest, digestOfGrains(*scene));
 	return std::to_string(digest);
@@ -260,25 +242,39 @@ template <int Dim> void RveSkeleton::prepareSlip(Stores<Dim>& stores)
 		measuredOn.clear();
 	}
 	if (digest.empty()) return;
-	std::vector<talik::ShearedSource<Dim>> sources;
-	const auto                             addPacked = [&sources](const shared_ptr<RveSample>& sample) {
-                sources.push_back({ std::make_shared<talik::PackedState<Dim>>(sample->template packed<Dim>()), "" });
-	};
-	for (const auto& sample : samples)
-		addPacked(sample);
-	for (std::size_t k = 0; k < scenes.size(); ++k) {
-		if (stores.packed) addPacked(prototypes[samples.size() + k]);
-		else sources.push_back({ nullptr, talik::sceneToBytes(scenes[k]) });
-	}
-	stores.model->measureSlip = [this, sources, digest] {
-		if (measuredOn != digest) {
-			const auto found      = measuredNow<Dim>(sources, threads);
-			measuredFriction      = found.mean;
-			measuredFrictionError = found.error;
-			measuredOn            = digest;
-		}
+	vector<shared_ptr<RveSample>> packed;
+	vector<string>                open;
+	for (const auto& sample : stores.packed ? prototypes : samples)
+		packed.push_back(sample->copy());
+	if (stores.open)
+		for (const auto& scene : scenes)
+			open.push_back(talik::sceneToBytes(scene));
+	stores.model->measureSlip = [this, packed, open, digest] {
+		if (measuredOn != digest) measureFriction(packed, open, Dim);
+		measuredOn = digest;
 		return talik::ShearStrength { measuredFriction, slipCohesion };
 	};
+}
+
+void RveSkeleton::measureFriction(const vector<shared_ptr<RveSample>>& packed, const vector<string>& open, int dimension)
+{
+	const talik::PythonLock held;
+	py::list                ofScenes;
+	for (const auto& bytes : open)
+		ofScenes.append(talik::sceneFromBytes(bytes));
+	const py::object found   = talik::callPython("talik.studies._friction", "steady", packed, ofScenes, dimension, threads);
+	const int        sheared = py::extract<int>(found[2]);
+	const string     problem = py::extract<string>(found[3]);
+	if (!problem.empty())
+		throw std::runtime_error(
+		        "RveSkeleton.slipFriction is nan, and the friction of the samples could not be measured: " + problem
+		        + "; give slipFriction, e.g. 0.3.");
+	measuredFriction      = py::extract<Real>(found[0]);
+	measuredFrictionError = py::extract<Real>(found[1]);
+	if (talik::isFirstRank())
+		std::cerr << "RveSkeleton: samples slip at the thaw front with their friction in steady simple shear, " << std::setprecision(3)
+		          << measuredFriction << " with a standard error of " << std::setprecision(2) << measuredFrictionError << " (" << sheared
+		          << (sheared == 1 ? " sample" : " samples") << " measured); slipFriction gives another." << std::setprecision(6) << std::endl;
 }
 
 SkeletonLaw::Model<3> RveSkeleton::build(const Places<3>& places)

@@ -77,6 +77,7 @@ private:
 	template <int Dim> vector<int>          assigned(const Places<Dim>& places) const;
 	template <int Dim> void                 prepareSlip(Stores<Dim>&);
 	string                                  sourcesDigest(int dimension) const;
+	void                                    measureFriction(const vector<shared_ptr<RveSample>>& packed, const vector<string>& open, int dimension);
 
 	std::shared_ptr<talik::PointSamples>     model; ///< that of `now`
 	std::variant<Stores<2>, Stores<3>>       now;

@@ -72,15 +72,6 @@ namespace {
 
 	double volumeOf(const Cell& cell) { return std::abs(cell.hSize.determinant()); }
 
-	Matrix3r loveWeber(const Scene& scene, double volume)
-	{
-		Matrix3r sum = Matrix3r::Zero();
-		forContacts(scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) {
-			sum -= forceOf(contact) * branch.transpose();
-		});
-		return sum / volume;
-	}
-
 	Matrix3r symmetric(const Matrix3r& m) { return 0.5 * (m + m.transpose()); }
 
 	bool inPlane(const Matrix3r& m) { return m(0, 2) == 0 && m(1, 2) == 0 && m(2, 0) == 0 && m(2, 1) == 0 && m(2, 2) == 0; }
@@ -153,6 +144,13 @@ namespace {
 
 } // namespace
 
+Matrix3r stressOf(const Scene& scene, double volume)
+{
+	Matrix3r sum = Matrix3r::Zero();
+	forContacts(scene, [&](const Interaction& contact, const Body&, const Body&, const Vector3r& branch) { sum -= forceOf(contact) * branch.transpose(); });
+	return sum / volume;
+}
+
 void forbidRedirection() { forbidRedirection(*Omega::instance().getScene()); }
 
 std::string reasonAgainstSample(const Scene& scene)
@@ -191,7 +189,7 @@ void OpenSample::adopt(shared_ptr<Scene> adopted)
 	forbidRedirection(*scene);
 	scene->dt = timeStepForIce(*scene);
 	measureGrains();
-	meanStress = loveWeber(*scene, stressVolume());
+	meanStress = stressOf(*scene, stressVolume());
 }
 
 void OpenSample::measureGrains()
@@ -297,12 +295,12 @@ private:
 	ChangedBonds bonds;
 };
 
-OpenUpdateResult OpenSample::apply(const Matrix3r& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options)
+PackedUpdateResult<3> OpenSample::apply(const Matrix3r& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options)
 {
 	checkOptions(options);
 	if (!(targetIceSaturation >= 0 && targetIceSaturation <= 1))
 		throw std::invalid_argument("open sample: ice saturation " + std::to_string(targetIceSaturation) + " must lie in 0..1");
-	OpenUpdateResult result;
+	PackedUpdateResult<3> result;
 	result.stress    = symmetric(meanStress);
 	const long start = scene->iter;
 	try {
@@ -343,7 +341,7 @@ void OpenSample::run(long steps)
 {
 	for (long k = 0; k < steps; ++k)
 		scene->moveToNextTimeStep();
-	if (steps > 0) meanStress = loveWeber(*scene, stressVolume());
+	if (steps > 0) meanStress = stressOf(*scene, stressVolume());
 	scene->speed = 0; // steps per second by the clock on the wall, which YADE archives: the same run is to give the same bytes
 }
 

@@ -10,27 +10,24 @@ class IceBondMat;
 
 namespace talik {
 
-/// What an update of an open sample did.
-struct OpenUpdateResult {
-	Eigen::Matrix3d  stress  = Eigen::Matrix3d::Zero(); ///< symmetrised, tension positive [Pa]
-	long             steps   = 0;
-	bool             flipped = false;
-	bool             blewUp  = false; ///< the sample has to recover() before it is asked again; the stress is that before the update
-	std::string      reason;          ///< why it blew up, empty otherwise
-	PackedTangent<3> tangent {};      ///< if asked for
+/// The sample's part of a matrix in space.
+template <int Dim> typename PackedTypes<Dim>::Matrix partOf(const Eigen::Matrix3d& m) { return m.template topLeftCorner<Dim, Dim>(); }
+
+/// One of the sample's in space, zero out of its plane.
+template <int Dim> Eigen::Matrix3d inSpace(const typename PackedTypes<Dim>::Matrix& m)
+{
+	Eigen::Matrix3d all                    = Eigen::Matrix3d::Zero();
+	all.template topLeftCorner<Dim, Dim>() = m;
+	return all;
+}
+
+/// Measures of an open sample; bondsBroken since it was made: formed = intact + broken + melted.
+struct OpenStatistics : PackedStatistics<3> {
+	std::uint64_t bondsFormed = 0, bondsMelted = 0;
 };
 
-/// Measures of an open sample.
-struct OpenStatistics {
-	std::size_t     contacts = 0, bondsIntact = 0;
-	std::uint64_t   bondsFormed = 0, bondsBroken = 0, bondsMelted = 0; ///< since the sample was made; formed = intact + broken + melted
-	double          coordinationNumber = 0;                            ///< 2 contacts/bodies [-]
-	double          porosity           = 0;                            ///< by area for discs, by volume for spheres [-]
-	double          unbalancedForce    = 0;                            ///< mean |net force on a body|/mean |contact force| [-]
-	double          kineticEnergy      = 0;                            ///< of velocity fluctuations and rotation [J]
-	double          cellThickness      = 0;                            ///< distance of a body's next image/mean diameter of spheres [-]
-	Eigen::Matrix3d fabric             = Eigen::Matrix3d::Zero();      ///< mean n (x) n [-]
-};
+/// Love-Weber stress of the forces of a scene as it stands, between centres of rigid bodies, tension positive, not symmetrised [Pa].
+Eigen::Matrix3d stressOf(const yade::Scene& scene, double volume);
 
 /// Upper bound of a sample's oedometric modulus at any ice saturation, also when it has lost its contacts.
 struct StiffnessBound {
@@ -55,8 +52,8 @@ public:
 
 	/// F_new = (1 + displacementGradient) F_old, and ice saturation to its target, in this order: ice at zero velocity gradient, then
 	/// motion, then relaxation, then a flip of the cell where due. Throws std::invalid_argument on an increment no sample could
-	/// follow; blow-ups are in the result.
-	OpenUpdateResult apply(const Eigen::Matrix3d& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options = {});
+	/// follow. A sample that blew up has to recover() before it is asked again; the stress is that before the update.
+	PackedUpdateResult<3> apply(const Eigen::Matrix3d& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options = {});
 
 	/// Keeps the present state to recover() from, if the last one kept is `steps` DEM steps old. Costs as much as some ten steps.
 	void keepState(long steps = 2000);

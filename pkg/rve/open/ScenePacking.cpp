@@ -5,6 +5,7 @@
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/icebond/IceBondMoments.hpp>
+#include <pkg/python/PythonFunction.hpp>
 #include <pkg/python/StepGate.hpp>
 #include <pkg/rve/open/OpenSample.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
@@ -16,7 +17,6 @@
 #include <boost/math/special_functions/nonfinite_num_facets.hpp>
 #include <locale>
 #include <omp.h>
-#include <set>
 #include <sstream>
 #include <tuple>
 
@@ -25,8 +25,6 @@ using namespace yade;
 
 namespace talik {
 namespace {
-
-	constexpr unsigned discDofs = State::DOF_Z | State::DOF_RX | State::DOF_RY;
 
 	/// Bodies that were not erased, ascending by id.
 	std::vector<Body*> presentBodies(const Scene& scene)
@@ -47,123 +45,10 @@ namespace {
 		return py::object();
 	}
 
-	bool isTrue(const py::object& object, const char* attribute) { return py::extract<bool>(object.attr(attribute)); }
-
-	/// Class name of the only functor of a dispatcher of the InteractionLoop, empty if there are none or several.
-	std::string onlyFunctor(const py::object& loop, const char* dispatcher)
-	{
-		const py::object functors = loop.attr(dispatcher).attr("functors");
-		if (py::len(functors) != 1) return "";
-		return py::extract<std::string>(functors[0].attr("__class__").attr("__name__"));
-	}
-
-	py::object lawOf(const Scene& scene) { return engineNamed(scene, "InteractionLoop").attr("lawDispatcher").attr("functors")[0]; }
-
 	bool isIceBondScene(const Scene& scene)
 	{
 		const auto bodies = presentBodies(scene);
 		return !bodies.empty() && boost::dynamic_pointer_cast<IceBondMat>(bodies.front()->material);
-	}
-
-	std::string reasonOfMotion(const State& motion, bool discs)
-	{
-		if (!discs) {
-			if (motion.blockedDOFs) return "is held (blockedDOFs): free all directions for spheres, or hold all in one layer for discs";
-			return motion.inertia != Vector3r::Constant(motion.inertia[0]) ? "has not the same moment of inertia about all axes" : "";
-		}
-		if ((motion.blockedDOFs & discDofs) != discDofs) return "is free to move out of the plane (block z and the rotations X, Y)";
-		if (motion.blockedDOFs != discDofs) return "is held in the plane";
-		return motion.vel[2] != 0 || motion.angVel[0] != 0 || motion.angVel[1] != 0 ? "moves out of the plane" : "";
-	}
-
-	std::string reasonOfBody(const Body& body, bool discs)
-	{
-		const State& motion = *body.state;
-		if (!boost::dynamic_pointer_cast<Sphere>(body.shape)) return "is not a sphere";
-		if (body.clumpId >= 0) return "belongs to a clump";
-		const std::string ofMotion = reasonOfMotion(motion, discs);
-		if (!ofMotion.empty()) return ofMotion;
-		if (!(motion.mass > 0 && motion.inertia[2] > 0)) return "has no mass or no moment of inertia";
-		if (!motion.isDamped) return "is exempt from damping";
-		if (motion.densityScaling != State().densityScaling) return "has a scaled density";
-		if (!boost::dynamic_pointer_cast<FrictMat>(body.material)) return "has no frictional material";
-		return "";
-	}
-
-	std::string reasonOfBodies(const Scene& scene)
-	{
-		const auto bodies = presentBodies(scene);
-		if (bodies.empty()) return "it has no bodies";
-		if (bodies.size() > 65000) return "it has more than 65000 grains";
-		const Body& first = *bodies.front();
-		const bool  discs = packedDimension(scene) == 2;
-		for (const Body* body : bodies) {
-			const std::string own = reasonOfBody(*body, discs);
-			if (!own.empty()) return "body " + std::to_string(body->id) + " " + own;
-			if (body->material != first.material) return "its grains have several materials";
-			const double layers = std::abs(body->state->se3.position[2] - first.state->se3.position[2]);
-			if (discs && layers > 1e-12 * static_cast<const Sphere&>(*body->shape).radius) return "its grains do not lie in one layer";
-		}
-		return "";
-	}
-
-	/// Engines whose work the fused step does, or which only look.
-	bool isCovered(const shared_ptr<Engine>& engine)
-	{
-		static const std::set<std::string> known { "ForceResetter", "InsertionSortCollider", "InteractionLoop", "NewtonIntegrator" };
-		const std::string                  name = engine->getClassName();
-		if (engine->dead || known.count(name)) return true;
-		return name == "GrainSwelling" && py::extract<std::string>(py::object(engine).attr("radiusRule"))() == "bookkeeping";
-	}
-
-	std::string reasonOfIntegrator(const Scene& scene)
-	{
-		const py::object newton = engineNamed(scene, "NewtonIntegrator");
-		if (newton.is_none()) return "it has no NewtonIntegrator";
-		if (py::extract<Vector3r>(newton.attr("gravity"))() != Vector3r::Zero()) return "its NewtonIntegrator has gravity";
-		if (py::extract<int>(newton.attr("mask")) > 0) return "its NewtonIntegrator moves a part of the bodies only";
-		if (scene.cell->homoDeform != 2) return "its cell has homoDeform=" + std::to_string(scene.cell->homoDeform) + " instead of 2";
-		return "";
-	}
-
-	std::string reasonOfContactLaw(const Scene& scene)
-	{
-		const py::object loop = engineNamed(scene, "InteractionLoop");
-		if (loop.is_none()) return "it has no InteractionLoop";
-		if (onlyFunctor(loop, "geomDispatcher") != "Ig2_Sphere_Sphere_ScGeom") return "its contact geometry is not Ig2_Sphere_Sphere_ScGeom alone";
-		const py::object geometry = loop.attr("geomDispatcher").attr("functors")[0];
-		if (py::extract<double>(geometry.attr("interactionDetectionFactor"))() != 1)
-			return "its contacts are detected at a distance (interactionDetectionFactor)";
-		if (!isTrue(geometry, "avoidGranularRatcheting")) return "its contact geometry has avoidGranularRatcheting=False";
-		const std::string physics = onlyFunctor(loop, "physDispatcher"), law = onlyFunctor(loop, "lawDispatcher");
-		if (law == "Law2_ScGeom_FrictPhys_CundallStrack") {
-			if (physics != "Ip2_FrictMat_FrictMat_FrictPhys")
-				return "its contact parameters do not come from Ip2_FrictMat_FrictMat_FrictPhys alone";
-			return isTrue(lawOf(scene), "neverErase") ? "its law never erases a contact" : "";
-		}
-		if (law != "Law2_ScGeom_IceBondPhys_IceBond") return "its contact law is " + (law.empty() ? "not a single one" : law);
-		if (physics != "Ip2_IceBondMat_IceBondMat_IceBondPhys")
-			return "its contact parameters do not come from Ip2_IceBondMat_IceBondMat_IceBondPhys alone";
-		if (isTrue(loop.attr("physDispatcher").attr("functors")[0], "bondNewContacts")) return "its new contacts are bonded (bondNewContacts)";
-		return isTrue(lawOf(scene), "healBroken") ? "its law heals broken bonds (healBroken)" : "";
-	}
-
-	std::string reasonOfEngines(const Scene& scene)
-	{
-		for (const auto& engine : enginesOf(scene))
-			if (!isCovered(engine)) return "it has a " + engine->getClassName();
-		const std::string ofLaw = reasonOfContactLaw(scene);
-		return ofLaw.empty() ? reasonOfIntegrator(scene) : ofLaw;
-	}
-
-	bool differs(double a, double b) { return !(std::abs(a - b) <= 1e-9 * std::abs(b)); }
-
-	std::string reasonOfBond(const IceBondPhys& bond, const IceBondMat& material)
-	{
-		if (bond.uRef != 0) return "has a reference overlap";
-		if (bond.iceSaturation != material.iceSaturation || bond.bondNow)
-			return "has not taken up the ice saturation of the material yet (do a step first)";
-		return "";
 	}
 
 	PackedRolling rollingOf(const Material& material)
@@ -176,69 +61,6 @@ namespace {
 	{
 		const auto* bonds = dynamic_cast<const MomentIceBondMat*>(&material);
 		return bonds ? bonds->section() : BondSection();
-	}
-
-	std::string reasonOfMoments(const IceBondPhys& bond, const Material& material)
-	{
-		const BondSection section = sectionOf(material);
-		if (!section.acts()) return "";
-		const auto* contact = dynamic_cast<const MomentIceBondPhys*>(&bond);
-		if (!contact) return "is not made by its material, whose bonds carry moments";
-		return contact->section() == section ? "" : "carries moments in another way than its material gives";
-	}
-
-	std::string reasonOfRolling(const IceBondPhys& bond, const ScGeom& geom, const Material& material)
-	{
-		const PackedRolling rolling = rollingOf(material);
-		if (!rolling.acts()) return "";
-		const auto* contact = dynamic_cast<const RollingIceBondPhys*>(&bond);
-		if (!contact) return "is not made by its material, which resists rolling";
-		if (differs(contact->kr, rolling.stiffness(bond.stiffnessRatio * bond.grainStiffness, geom.refR1, geom.refR2))
-		    || differs(contact->maxRollPl, rolling.lever(geom.refR1, geom.refR2)))
-			return "resists rolling in another way than its material gives";
-		return "";
-	}
-
-	/// Stiffness and friction may have been set contact by contact: the packed form has those of the material.
-	std::string reasonOfContact(const Interaction& interaction, const FrictMat& material)
-	{
-		const auto* geom = dynamic_cast<const ScGeom*>(interaction.geom.get());
-		const auto* phys = dynamic_cast<const FrictPhys*>(interaction.phys.get());
-		if (!geom || !phys) return "is not made by its contact law";
-		if (interaction.cellDist.cwiseAbs().maxCoeff() > 127) return "reaches across more than 127 cells";
-		const double grain = 2 * material.young * geom->refR1 * geom->refR2 / (geom->refR1 + geom->refR2);
-		if (differs(phys->tangensOfFrictionAngle, std::tan(material.frictionAngle)))
-			return "has the friction " + std::to_string(phys->tangensOfFrictionAngle) + " and its material "
-			        + std::to_string(std::tan(material.frictionAngle));
-		const auto* bond = dynamic_cast<const IceBondPhys*>(phys);
-		if (differs(bond ? bond->grainStiffness : phys->kn, grain) || differs(bond ? bond->stiffnessRatio : phys->ks / phys->kn, material.poisson))
-			return "has another stiffness than its material gives";
-		if (!bond) return "";
-		const std::string ofRolling = reasonOfRolling(*bond, *geom, material);
-		if (!ofRolling.empty()) return ofRolling;
-		const std::string ofMoments = reasonOfMoments(*bond, material);
-		return ofMoments.empty() ? reasonOfBond(*bond, static_cast<const IceBondMat&>(material)) : ofMoments;
-	}
-
-	std::string reasonOfContacts(const Scene& scene)
-	{
-		const auto& material = static_cast<const FrictMat&>(*presentBodies(scene).front()->material);
-		for (const auto& interaction : *scene.interactions) {
-			if (!interaction->isReal()) continue;
-			const std::string reason = reasonOfContact(*interaction, material);
-			if (!reason.empty()) return "contact " + std::to_string(interaction->id1) + "-" + std::to_string(interaction->id2) + " " + reason;
-		}
-		return "";
-	}
-
-	std::string reasonOfCell(const Scene& scene)
-	{
-		if (!scene.isPeriodic || !scene.cell) return "it has no periodic cell";
-		const Cell& cell = *scene.cell;
-		if (packedDimension(scene) == 3) return "";
-		for (const Matrix3r* m : { &cell.hSize, &cell.velGrad, &cell.nextVelGrad, &cell.trsf })
-			if ((*m)(0, 2) != 0 || (*m)(1, 2) != 0 || (*m)(2, 0) != 0 || (*m)(2, 1) != 0) return "its cell is skewed out of the plane";
-		return cell.velGrad(2, 2) != 0 || cell.nextVelGrad(2, 2) != 0 ? "its cell is strained out of the plane" : "";
 	}
 
 	/// Unit tangent t = z x n of a contact.
@@ -284,9 +106,6 @@ namespace {
 	Vector3r vectorOf(const Vector3r& shear, const Vector3r&) { return shear; }
 
 	Quaternionr orientationOf(double angle) { return Quaternionr(std::cos(angle / 2), 0, 0, std::sin(angle / 2)); }
-
-	/// The sample's part of a matrix in space.
-	template <int Dim> typename PackedTypes<Dim>::Matrix part(const Matrix3r& m) { return m.template topLeftCorner<Dim, Dim>(); }
 
 	template <int Dim> void setPart(Matrix3r& target, const typename PackedTypes<Dim>::Matrix& m) { target.template topLeftCorner<Dim, Dim>() = m; }
 
@@ -361,11 +180,11 @@ namespace {
 	template <int Dim> void packCell(const Scene& scene, PackedState<Dim>& state)
 	{
 		const Cell& cell  = *scene.cell;
-		state.hSize       = part<Dim>(cell.hSize);
-		state.prevHSize   = part<Dim>(cell.prevHSize);
-		state.velGrad     = part<Dim>(cell.velGrad);
-		state.nextVelGrad = part<Dim>(cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad);
-		state.trsf        = part<Dim>(cell.trsf);
+		state.hSize       = partOf<Dim>(cell.hSize);
+		state.prevHSize   = partOf<Dim>(cell.prevHSize);
+		state.velGrad     = partOf<Dim>(cell.velGrad);
+		state.nextVelGrad = partOf<Dim>(cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad);
+		state.trsf        = partOf<Dim>(cell.trsf);
 		if (Dim == 2) state.thickness = thicknessOf(scene);
 	}
 
@@ -375,7 +194,7 @@ namespace {
 		state.dt                = scene.dt;
 		state.step              = std::uint64_t(scene.iter);
 		state.damping           = py::extract<double>(newton.attr("damping"));
-		state.prevVelGrad       = part<Dim>(py::extract<Matrix3r>(newton.attr("prevVelGrad"))());
+		state.prevVelGrad       = partOf<Dim>(py::extract<Matrix3r>(newton.attr("prevVelGrad"))());
 		const auto& material    = static_cast<const FrictMat&>(*presentBodies(scene).front()->material);
 		state.friction          = std::tan(material.frictionAngle);
 		state.stiffnessRatio    = material.poisson;
@@ -559,21 +378,6 @@ namespace {
 		scene.interactions->dirty = true;
 	}
 
-	/// Love-Weber stress of the scene as it stands, tension positive.
-	template <int Dim> typename PackedTypes<Dim>::Matrix stressOf(const Scene& scene, double volume)
-	{
-		Matrix3r sum = Matrix3r::Zero();
-		for (const auto& interaction : *scene.interactions) {
-			if (!interaction->isReal()) continue;
-			const auto&    phys  = static_cast<const FrictPhys&>(*interaction->phys);
-			const Vector3r force = phys.normalForce + phys.shearForce;
-			const Vector3r x1    = (*scene.bodies)[interaction->id1]->state->se3.position;
-			const Vector3r x2    = (*scene.bodies)[interaction->id2]->state->se3.position;
-			sum += force * (x1 - x2 - scene.cell->hSize * interaction->cellDist.cast<Real>()).transpose();
-		}
-		return part<Dim>(sum) / volume;
-	}
-
 	template <int Dim> void openCell(Scene& scene, const PackedState<Dim>& s)
 	{
 		Cell& cell = *scene.cell;
@@ -651,12 +455,16 @@ bool bondsCarryMoments(const Scene& scene)
 
 std::string reasonAgainstPacking(const Scene& scene)
 {
-	PythonLock gil;
-	for (const auto reason : { reasonOfCell, reasonOfBodies, reasonOfEngines, reasonOfContacts }) {
-		const std::string found = reason(scene);
-		if (!found.empty()) return found;
-	}
-	return "";
+	const PythonLock gil;
+	py::list         bodies, engines, contacts;
+	for (std::size_t id = 0; id < scene.bodies->size(); ++id)
+		if ((*scene.bodies)[id]) bodies.append((*scene.bodies)[id]);
+	for (const auto& engine : enginesOf(scene))
+		engines.append(engine);
+	for (const auto& interaction : *scene.interactions)
+		if (interaction->isReal()) contacts.append(interaction);
+	const py::object cell = scene.isPeriodic ? py::object(scene.cell) : py::object();
+	return py::extract<std::string>(callPython("talik._packable", "reason", cell, bodies, engines, contacts));
 }
 
 int packedDimension(const Scene& scene)
@@ -698,7 +506,7 @@ template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedSt
 		state.stress = former->stress;
 		if (state.toBytes() == former->toBytes()) return state;
 	}
-	state.stress = stressOf<Dim>(scene, state.volume());
+	state.stress = partOf<Dim>(stressOf(scene, state.volume()));
 	return state;
 }
 

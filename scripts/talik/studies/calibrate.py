@@ -262,8 +262,12 @@ def _steadyFrictions(samples, pressure, shear, perCall=4e-5):
 		pressed += [tested, tested]
 	directions = [perCall, -perCall] * len(samples)
 	first = round(forgottenShear / perCall)
-	runs = talik._talik.shearTests(pressed, directions, pressure, round(shear / perCall))
-	return np.reshape([-shearStress[first:].sum() / normalStress[first:].sum() for shearStress, normalStress in runs], (len(samples), 2))
+	calls, across = round(shear / perCall), pressed[0].dimension - 1
+	runs = talik._talik.shearTests([(tested, direction, pressure, calls, 0, across) for tested, direction in zip(pressed, directions)])
+	for _, _, failure in runs:
+		if failure:
+			raise RuntimeError(f"simple shear at {pressure:g} Pa: a sample blew up: {failure}")
+	return np.reshape([-shearStress[first:].sum() / normalStress[first:].sum() for shearStress, normalStress, _ in runs], (len(samples), 2))
 
 
 def thawedFriction(samples, pressures=(2e3, 4e3, 8e3, 16e3)):
