@@ -125,6 +125,22 @@ template <int D> void checkSegregation(const GroundSettings<D>& s)
 	s.segregation->validate("segregation.");
 }
 
+/// Pores with little water are those of drained ground, which the rate form of pressure does not know.
+template <int D> static void requireFill(const GroundSettings<D>& s, const std::string& attribute, double fill)
+{
+	const bool rate = s.water && s.water->state.massCoefficient == MassCoefficient::printed;
+	requireSetting(
+	        fill
+	                        >= (rate              ? 1.0
+	                                    : s.water ? 0.01
+	                                              : 0.0)
+	                && fill <= 1.0,
+	        attribute, fill,
+	        rate              ? "must be 1 with PoreWater.massCoefficient = printed; use exact"
+	                : s.water ? "must lie in [0.01, 1] with water"
+	                          : "must lie in [0, 1]");
+}
+
 template <int D> void checkSettings(const GroundSettings<D>& s)
 {
 	s.mixture.validate();
@@ -136,8 +152,7 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	if (s.bodies) s.bodies->validate();
 	if (s.segregation) checkSegregation(s);
 	if (s.thawFront) s.thawFront->validate();
-	requireSetting(std::isnan(s.poreFill) || (s.poreFill >= 0.0 && s.poreFill <= 1.0), "MpmEngine.poreFill", s.poreFill, "must lie in [0, 1]");
-	requireSetting(!s.water || s.usedPoreFill() == 1.0, "MpmEngine.poreFill", s.poreFill, "must be 1 in a scene with water: the ground is saturated");
+	if (!std::isnan(s.poreFill)) requireFill(s, "MpmEngine.poreFill", s.poreFill);
 	requireSetting(s.courantNumber > 0.0 && s.courantNumber <= 1.0, "MpmEngine.courantNumber", s.courantNumber, "must lie in (0, 1]");
 	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "MpmEngine.heatFraction", s.heatFraction, "must lie in (0, 1]");
 	requireSetting(s.motionFraction > 0.0 && s.motionFraction <= 0.5, "MpmEngine.motionFraction", s.motionFraction, "must lie in (0, 0.5]");
@@ -288,10 +303,7 @@ template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<
 		}
 		requireSetting(std::isfinite(in.volume) && in.volume > 0.0, name(id, "volume"), in.volume, "must be positive, in m^3 (m^2 in 2-D)");
 		requireSetting(in.porosity > 1e-3 && in.porosity < 1.0, name(id, "porosity"), in.porosity, "must lie in (0.001, 1)");
-		requireSetting(std::isnan(in.poreFill) || (in.poreFill >= 0.0 && in.poreFill <= 1.0), name(id, "poreFill"), in.poreFill, "must lie in [0, 1]");
-		requireSetting(
-		        !settings.water || std::isnan(in.poreFill) || in.poreFill == 1.0, name(id, "poreFill"), in.poreFill,
-		        "must be 1 in a scene with water: the ground is saturated");
+		if (!std::isnan(in.poreFill)) requireFill(settings, name(id, "poreFill"), in.poreFill);
 		if (settings.heat)
 			requireSetting(
 			        in.temperature > -100.0 && in.temperature < 100.0, name(id, "temperature"), in.temperature,

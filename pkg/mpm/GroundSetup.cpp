@@ -199,6 +199,7 @@ template <int D> void Ground<D>::Parts::fillPoints()
 		if (points->materials()) points->materials()[p] = std::uint16_t(in.material);
 	}
 	ranks.start(grid, *points, refusalOfRanks(), [this] { return ownLimits(); });
+	if (content) content->holdsAir = given.fill.empty() ? settings.usedPoreFill() < 1.0 : *std::min_element(given.fill.begin(), given.fill.end()) < 1.0;
 	for (int p = points->strips().firstPoint(); p < points->strips().endPoint(); ++p)
 		fillPoint(p, given.at(points->id(p)), fillOf(points->id(p)));
 	clock.range = ActiveRange::of(grid, *points);

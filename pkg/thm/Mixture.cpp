@@ -40,8 +40,11 @@ double MixtureProperties::conductivity(const VolumeFractions& n) const
 {
 	switch (conductivityMean) {
 		case ConductivityMean::geometric:
-			return std::exp(n.solid * std::log(solid.conductivity) + n.ice * std::log(ice.conductivity) + n.liquid * std::log(liquid.conductivity));
-		case ConductivityMean::harmonic: return 1.0 / (n.solid / solid.conductivity + n.ice / ice.conductivity + n.liquid / liquid.conductivity);
+			return std::exp(
+			        n.solid * std::log(solid.conductivity) + n.ice * std::log(ice.conductivity) + n.liquid * std::log(liquid.conductivity)
+			        + n.air * std::log(airConductivity));
+		case ConductivityMean::harmonic:
+			return 1.0 / (n.solid / solid.conductivity + n.ice / ice.conductivity + n.liquid / liquid.conductivity + n.air / airConductivity);
 		case ConductivityMean::arithmetic: break;
 	}
 	return arithmeticConductivity(n);

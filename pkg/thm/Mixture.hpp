@@ -23,13 +23,13 @@ struct Phase {
 	double expansivity;  ///< volumetric thermal expansivity [1/K], |value| < 1e-2
 };
 
-/// Volume fractions of a saturated mixture; they add up to one.
+/// Volume fractions of a mixture; they add up to one.
 struct VolumeFractions {
-	double solid, ice, liquid;
-	/// porosity in (0,1), liquidSaturation in [0,1]
-	static VolumeFractions of(double porosity, double liquidSaturation)
+	double solid, ice, liquid, air;
+	/// porosity in (0,1), liquidSaturation in [0,1] of what fills the part poreFill of the pores
+	static VolumeFractions of(double porosity, double liquidSaturation, double poreFill = 1.0)
 	{
-		return { 1.0 - porosity, porosity * (1.0 - liquidSaturation), porosity * liquidSaturation };
+		return { 1.0 - porosity, poreFill * porosity * (1.0 - liquidSaturation), poreFill * porosity * liquidSaturation, (1.0 - poreFill) * porosity };
 	}
 };
 
@@ -43,6 +43,8 @@ struct MixtureProperties {
 	double           referenceTemperature = 0.0;     ///< T_0 of enthalpy and density [degC]
 	ConductivityMean conductivityMean     = ConductivityMean::arithmetic;
 
+	static constexpr double airConductivity = 0.024; ///< [W/(m K)]
+
 	/// rho(T) = rho_0 (1 - beta (T - T_0)) [kg/m^3]
 	double densityAt(const Phase& phase, double temperature) const
 	{
@@ -51,7 +53,6 @@ struct MixtureProperties {
 
 	/// Density deficit of ice, zeta = 1 - rho_i/rho_l at the given temperature [-] (0.09 with the default data at T_0).
 	double densityDeficit(double temperature) const { return 1.0 - densityAt(ice, temperature) / densityAt(liquid, temperature); }
-	double densityDeficit() const { return 1.0 - ice.density / liquid.density; }
 
 	/// rho_m = sum n_pi rho_pi [kg/m^3], eq. (3.1)
 	double density(const VolumeFractions& n) const { return n.solid * solid.density + n.ice * ice.density + n.liquid * liquid.density; }
@@ -67,7 +68,7 @@ struct MixtureProperties {
 	/// The same by the arithmetic mean, whatever is chosen.
 	double arithmeticConductivity(const VolumeFractions& n) const
 	{
-		return n.solid * solid.conductivity + n.ice * ice.conductivity + n.liquid * liquid.conductivity;
+		return n.solid * solid.conductivity + n.ice * ice.conductivity + n.liquid * liquid.conductivity + n.air * airConductivity;
 	}
 
 	/// Volumetric expansivity of the mixture as it drives pressure at constant mass,

@@ -79,6 +79,17 @@ def _renewView():
 		_talik.renewRenderer(qt.Renderer())
 
 
+def _arrangeHelp():
+	"""help(MpmEngine) begins with what most scenes give."""
+	from yade import wrapper
+
+	usual = __getattr__("settings").usual
+	wrapper.MpmEngine._fields = usual  # by which pydoc sorts
+	wrapper.MpmEngine.__doc__ += f"\n\nMost scenes give {', '.join(usual)}; the other attributes are for experts. See talik.settings."
+	for name in ("__getstate_manages_dict__", "__safe_for_unpickling__"):
+		setattr(wrapper.Serializable, name, property(getattr(wrapper.Serializable, name).fget, doc="For Python's copy and pickle."))
+
+
 ranks.join()
 with _paused():
 	_inspector.teachInspector(_publishClasses())
@@ -118,10 +129,12 @@ _submodules = (
 	"batch",
 	"bodies",
 	"checkpoint",
+	"climate",
 	"dates",
 	"ensemble",
 	"files",
 	"forecast",
+	"geogrid",
 	"geometry",
 	"layers",
 	"movie",
@@ -177,6 +190,7 @@ _sys.modules["yade.wrapper"].MpmEngine.inspect = _inspection.inspectPoint
 _sys.modules["yade.wrapper"].MpmEngine.back = _inspection.backToGround
 for _name in ("pick", "most", "mostBroken", "mostStrained"):
 	setattr(_sys.modules["yade.wrapper"].MpmEngine, _name, getattr(_inspection, _name))
+_arrangeHelp()
 
 
 def check(mpm):

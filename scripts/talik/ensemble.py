@@ -328,14 +328,14 @@ def shares(frames, happened=None):
 
 	frames    fields of the last state of each run, as talik.output.Frames keeps them
 	happened  function of a frame that gives {name: booleans (n,)}, in place of these three
-	place     (n, 2) middles of cells [m], side their width [m]
+	place     (n, 2) middles of cells [m], in space (n, 3); side their width [m]
 
 	>>> still = dict(position=np.zeros((1, 2)), displacement=np.zeros((1, 2)), volume=np.ones(1), deviatoricStrain=np.zeros(1), iceSaturation=np.ones(1))
 	>>> talik.ensemble.shares([still])[2]["has slid"]
 	array([0.])"""
 	from scipy.spatial import cKDTree
 
-	side = float(np.sqrt(np.median(frames[0]["volume"])))
+	side = sideOf(frames[0])
 	starts = [frame["position"] - frame["displacement"] for frame in frames]
 	cells = [set(map(tuple, np.floor(start / side + 1e-6).astype(int))) for start in starts]
 	place = (np.array(sorted(set.union(*cells))) + 0.5) * side
@@ -347,6 +347,14 @@ def shares(frames, happened=None):
 		for name, so in (happened or _happened)(frame).items():
 			sums[name] = sums.get(name, 0) + np.where(there, so[nearest], 0)
 	return place, side, {name: values / np.maximum(seen, 1) for name, values in sums.items()}
+
+
+def sideOf(frame):
+	"""Width of a point [m], from the median of the volumes.
+
+	>>> talik.ensemble.sideOf(dict(position=np.zeros((1, 2)), volume=np.full(1, 0.25)))
+	0.5"""
+	return float(np.median(frame["volume"]) ** (1 / frame["position"].shape[1]))
 
 
 def _happened(frame):

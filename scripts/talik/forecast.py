@@ -17,12 +17,13 @@ after so many runs.
 """
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from scipy import fft, stats
 from scipy.special import ndtr
 
-from talik import dates, ensemble, output, plots
+from talik import dates, ensemble, geogrid, output, plots
 from talik.ensemble import confidence
 from talik.realisation import seedStride
 from talik.tables import lines
@@ -315,7 +316,8 @@ class Exceedance:
 class ProbabilityMap:
 	"""Probability of an event at each place of the ground as it lay before it moved, see probabilityMap.
 
-	place  (n, 2) middles of cells [m], side: their width [m]; share: probability (n,); low, high: its bounds of confidence
+	place   (n, 2) middles of cells [m], in space (n, 3); side: their width [m]; share: probability (n,); low, high: its bounds of confidence
+	inPlan  x and y of the places are those of a map
 
 	>>> where = talik.forecast.ProbabilityMap("slides", np.zeros((1, 2)), 1.0, np.ones(1), np.ones(1), np.ones(1), 5)
 	>>> where.write(folder + "/slides.vtu")"""
@@ -327,9 +329,12 @@ class ProbabilityMap:
 	low: np.ndarray
 	high: np.ndarray
 	runs: int
+	inPlan: bool = False
 
 	def draw(self):
-		"""Figure: the probability, and the width of its interval of confidence."""
+		"""Figure: the probability, and the width of its interval of confidence. Of ground in space a map in plan can be drawn."""
+		if self.place.shape[1] == 3:
+			raise ValueError("ProbabilityMap.draw: the places are in space; give probabilityMap inPlan=True, or write a .vtu file")
 		fig = plots.figure(10, 2.8)
 		size = np.full(len(self.place), self.side**2)
 		for axes, values, label, colours in zip(
@@ -338,27 +343,51 @@ class ProbabilityMap:
 			plots.slopeField(axes, self.place, 100 * values, size, label=label, colourMap=colours, limits=(0, 100))
 		return fig
 
-	def write(self, path):
-		"""A .vtu file for ParaView with probability, lowest and highest."""
-		output.writePoints(path, self.place, {"probability": self.share, "lowest": self.low, "highest": self.high})
+	def write(self, path, crs=None):
+		"""A file with probability, lowest and highest: .vtu for ParaView; of a map in plan .tif (GeoTIFF with three bands) or .asc (the probability as
+		an ESRI ASCII grid, which needs no package) for a GIS. crs: of x and y, for .tif, such as "EPSG:32633"."""
+		values = {"probability": self.share, "lowest": self.low, "highest": self.high}
+		suffix = Path(path).suffix
+		if suffix == ".vtu":
+			return output.writePoints(path, self.place, values)
+		if suffix not in (".tif", ".asc"):
+			raise ValueError(f"ProbabilityMap.write: '{path}' ends with '{suffix}'; choose .vtu, .tif or .asc")
+		if not self.inPlan:
+			raise ValueError(f"ProbabilityMap.write: '{path}' is for a map, and this is no map in plan; give probabilityMap ground in space and inPlan=True")
+		geogrid.write(path, self.place, self.side, values, crs)
 
 
-def probabilityMap(runs, field="displacement", above=0.1, day=None):
+def probabilityMap(runs, field="displacement", above=0.1, day=None, inPlan=False):
 	"""How probable it is, place by place, that a field of the ground is above a limit on a day: ProbabilityMap.
 
-	runs   of each run its frames, as talik.output.Frames keeps them and loadFrames reads them
-	field  name of a field; vectors by their length
-	above  limit, in units of the field
-	day    of the calendar, or an ISO date of a scene with talik.dates.start; the last frame up to it counts. None: the last one
+	runs    of each run its frames, as talik.output.Frames keeps them and loadFrames reads them
+	field   name of a field; vectors by their length
+	above   limit, in units of the field
+	day     of the calendar, or an ISO date of a scene with talik.dates.start; the last frame up to it counts. None: the last one
+	inPlan  of ground in space a map: whether the field is above the limit anywhere below a place
 
 	>>> still = dict(position=np.zeros((1, 2)), displacement=np.zeros((1, 2)), volume=np.ones(1), time=0.0)
 	>>> talik.forecast.probabilityMap([[still], [still]], above=0.1).share
 	array([0.])"""
 	last = [_until(frames, day) for frames in runs]
 	name = f"{field} above {above:g}" + ("" if day is None else f" by {day if isinstance(day, str) else f'day {day:g}'}")
-	place, side, shares = ensemble.shares(last, lambda frame: {name: plots.magnitude(frame[field]) > above})
+	last = [{**frame, "happened": plots.magnitude(frame[field]) > above} for frame in last]
+	if inPlan:
+		side = ensemble.sideOf(last[0])
+		last = [_seenFromAbove(frame, side) for frame in last]
+	place, side, shares = ensemble.shares(last, lambda frame: {name: frame["happened"]})
 	low, high = confidence(np.rint(shares[name] * len(last)), len(last))
-	return ProbabilityMap(name, place, side, shares[name], low, high, len(last))
+	return ProbabilityMap(name, place, side, shares[name], low, high, len(last), inPlan)
+
+
+def _seenFromAbove(frame, side):
+	"""A frame with a point in each column of ground, where it happened if it did so in one of its points."""
+	start = frame["position"] - frame["displacement"]
+	if start.shape[1] != 3:
+		raise ValueError("probabilityMap: inPlan needs ground in space, and this lies in a plane; leave inPlan out")
+	cells, column = np.unique(np.floor(start[:, :2] / side + 1e-6), axis=0, return_inverse=True)
+	happened = np.bincount(column.ravel(), weights=frame["happened"]) > 0
+	return {"position": (cells + 0.5) * side, "displacement": np.zeros_like(cells), "volume": np.full(len(cells), side**2), "happened": happened}
 
 
 def _until(frames, day):

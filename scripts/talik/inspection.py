@@ -58,7 +58,11 @@ class View:
 		if self not in _shown:
 			raise RuntimeError("back(): this view was left already")
 		if keep:
-			self._takeOver()
+			try:
+				self._takeOver()
+			except ValueError as problem:
+				remedy = "The sample stays shown: mend it and call back() again, or call back(keep=False), by which the ground keeps its own sample."
+				raise ValueError(f"{problem} {remedy}") from None
 		self._leave()
 
 	def _takeOver(self):
@@ -93,6 +97,8 @@ def inspect(scene):
 	30
 
 	RuntimeError while a simulation runs. Without `with`, talik.back() returns."""
+	if not isinstance(scene, wrapper.Scene):
+		raise TypeError(f"talik.inspect: got {type(scene).__name__}; give a Scene: packed.open(), talik.rve.openScene(sample) or mpm.skeleton.scene(id)")
 	return View(scene)
 
 

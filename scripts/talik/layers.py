@@ -74,7 +74,8 @@ def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0, waterTabl
 				   Samples have theirs by talik.slope.settle
 	load           pressure on the surface at the start [Pa], with lateralRatio
 	waterTable     height of the water table [m], a number or a function of arrays x: pore water below it starts with hydrostatic pressure, above
-				   it with none; in place of the pressure of layers. A pond above the ground presses on it, too: give load, and SurfaceLoad
+				   it with none; in place of the pressure of layers. The poreFill of a layer is that above it; below it pores are full. A pond above the
+				   ground presses on it, too: give load, and SurfaceLoad
 
 	A layer without material has MpmEngine.material, one without skeleton MpmEngine.skeleton. ValueError names layers that overlap.
 
@@ -85,22 +86,28 @@ def fill(mpm, layers, pointsPerCell=None, lateralRatio=None, load=0.0, waterTabl
 	>>> len(layers["ice-rich"])
 	16"""
 	_refuseUnknown(layers)
-	_refuseDryBesideWet(mpm, layers)
+	_refuseWrongFill(mpm, layers)
 	outlines = {name: _outlineOf(name, layer) for name, layer in layers.items()}
 	_refuseOverlaps(outlines)
 	if lateralRatio is not None:
 		_requireWeight(mpm, lateralRatio)
 	numbers = _numbersOfMaterials(mpm, layers)
 	laws = _numbersOfLaws(mpm, layers)
-	densities = {name: _density(mpm, layer) for name, layer in layers.items()} if lateralRatio is not None else {}
 	hydrostatic = None if waterTable is None else _hydrostatic(mpm, layers, waterTable)
+	columns = []
+	for name, layer in layers.items() if lateralRatio is not None else ():
+		dry, wet = _density(mpm, layer), _density(mpm, {**layer, "poreFill": 1.0})
+		columns.append((outlines[name], dry, wet if waterTable is not None else dry))
+	height = waterTable if callable(waterTable) else lambda x: -np.inf if waterTable is None else waterTable
 	ids = {}
 	for name, layer in layers.items():
 		state = {key: value for key, value in layer.items() if key in ofPoints}
 		if waterTable is not None:
 			state["pressure"] = hydrostatic
+			if "poreFill" in layer:
+				state["poreFill"] = _fullBelow(height, layer["poreFill"])
 		if lateralRatio is not None and not isinstance(layer.get("skeleton", mpm.skeleton), wrapper.RveSkeleton):
-			state["stress"] = _geostatic(mpm, outlines, densities, lateralRatio, load, state.get("pressure", 0.0))
+			state["stress"] = _geostatic(mpm, columns, lateralRatio, load, state.get("pressure", 0.0), height)
 		first = mpm.pointCount
 		try:
 			geometry.fill(mpm, layer["polygon"], pointsPerCell, holes=layer.get("holes", ()), material=numbers[name], skeleton=laws[name], **state)
@@ -119,13 +126,16 @@ def _refuseUnknown(layers):
 				raise ValueError(f"layer '{name}' has '{key}', which no layer has; {hint}")
 
 
-def _refuseDryBesideWet(mpm, layers):
+leastFill = 0.01  # of ground with water
+
+
+def _refuseWrongFill(mpm, layers):
+	least = 0 if mpm.water is None else leastFill
 	for name, layer in layers.items():
 		fill = layer.get("poreFill", 1.0)
-		if mpm.water is not None and not callable(fill) and np.nanmin(fill) < 1:
+		if not callable(fill) and not (least <= np.nanmin(fill) and np.nanmax(fill) <= 1):
 			raise ValueError(
-				f"layer '{name}' has poreFill {np.nanmin(fill):g}, and with MpmEngine.water all pores are full; leave water out, so that each layer has its own fill "
-				"(pore water then moves with the grains and carries no pressure), or leave poreFill out"
+				f"layer '{name}' has poreFill {np.nanmin(fill):g} to {np.nanmax(fill):g}; give {least:g} to 1, the part of its pores that holds water"
 			)
 
 
@@ -148,6 +158,14 @@ def _hydrostatic(mpm, layers, waterTable):
 	unitWeight = (mpm.materials[0] if mpm.materials else mpm.material).liquidDensity * -tuple(mpm.gravity)[-1]
 	height = waterTable if callable(waterTable) else lambda x: waterTable
 	return lambda x, y: np.maximum(0.0, unitWeight * (height(x) - y))
+
+
+def _fullBelow(height, poreFill):
+	def fill(x, y):
+		above = poreFill(x, y) if callable(poreFill) else poreFill
+		return np.where(y < height(x), 1.0, above)
+
+	return fill
 
 
 def _outlineOf(name, layer):
@@ -234,26 +252,26 @@ def _density(mpm, layer):
 	porosity, temperature = layer.get("porosity", 0.4), layer.get("temperature", 0.0)
 	if callable(porosity) or np.ndim(porosity):
 		raise ValueError("layers.fill: with lateralRatio a layer has one porosity; give a number, or give the stress to talik.geometry.fill")
-	if mpm.heat is None and mpm.water is None:
-		filling = 0.0 if np.isnan(mpm.poreFill) else mpm.poreFill * material.liquidDensity
-	else:
-		curve = getattr(material, "freezing", None) or mpm.freezing
-		if callable(temperature):
-			inside = _outlineOf("", layer).representative_point()
-			temperature = temperature(np.array([inside.x]), np.array([inside.y]))
-		cold = curve is not None and np.mean(temperature) < _freezingPoint(curve)
-		filling = material.iceDensity if cold else material.liquidDensity
-	return (1 - porosity) * material.solidDensity + porosity * filling
+	holds = mpm.heat is not None or mpm.water is not None
+	poreFill = layer.get("poreFill", holds if np.isnan(mpm.poreFill) else mpm.poreFill)
+	inside = _outlineOf("", layer).representative_point()
+	temperature, poreFill = (np.mean(value(np.array([inside.x]), np.array([inside.y])) if callable(value) else value) for value in (temperature, poreFill))
+	curve = getattr(material, "freezing", None) or mpm.freezing
+	cold = mpm.heat is not None and curve is not None and temperature < _freezingPoint(curve)
+	return (1 - porosity) * material.solidDensity + porosity * poreFill * (material.iceDensity if cold else material.liquidDensity)
 
 
-def _geostatic(mpm, outlines, densities, lateralRatio, load, pressure):
-	"""Function of x, y [m] that gives the effective stress (n, 4) of ground at rest [Pa, tension positive]."""
+def _geostatic(mpm, columns, lateralRatio, load, pressure, waterTable):
+	"""Function of x, y [m] that gives the effective stress (n, 4) of ground at rest [Pa, tension positive].
+
+	columns  outline of each layer, and its density above and below the water table"""
 	weight = -mpm.gravity[1]
-	top = max(outline.bounds[3] for outline in outlines.values()) + 1.0
+	top = max(outline.bounds[3] for outline, _, _ in columns) + 1.0
 
 	def above(x, y):
-		line = LineString([(x, y), (x, top)])
-		return load + weight * sum(densities[name] * line.intersection(outline).length for name, outline in outlines.items())
+		border = min(max(y, float(waterTable(x))), top)
+		higher, lower = (LineString([(x, low), (x, high)]) for low, high in ((border, top), (y, border)))
+		return load + weight * sum(dry * higher.intersection(outline).length + wet * lower.intersection(outline).length for outline, dry, wet in columns)
 
 	def stress(x, y):
 		carried = pressure(x, y) if callable(pressure) else pressure

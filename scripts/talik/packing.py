@@ -525,7 +525,7 @@ def servoStress(grains, goal, tolerance=2e-3, maxSteps=None, maxStrain=0.1):
 		advance(servoChunk)
 	reached = ", ".join(f"{s:.4g}" for s in stress())
 	raise PackingError(
-		f"stress {componentNames[grains.dimension]} = ({', '.join(f'{g:g}' for g in goal)}) Pa is not reached: at strain {strainSince(first):.3f}, "
+		f"stress {componentNames[dimension()]} = ({', '.join(f'{g:g}' for g in goal)}) Pa is not reached: at strain {strainSince(first):.3f}, "
 		f"after {O.iter - start} steps, it is ({reached}); "
 		"it must lie within the strength of grains without ice (friction angle near 20 degrees)"
 	)

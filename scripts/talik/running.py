@@ -17,7 +17,7 @@ from yade import O
 
 import talik
 from talik import _talik, ranks
-from talik.guards.runs import awaitEndOfStep
+from talik.guards.runs import awaitEndOfStep, refuseToAbort
 from talik.progress import Progress
 
 
@@ -26,6 +26,7 @@ def runSerially(steps):
 	and results do not depend on yade -j. RuntimeError while O runs.
 
 	>>> talik.runSerially(2)"""
+	refuseToAbort(O)
 	_talik.runSerially(steps)
 
 

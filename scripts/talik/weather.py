@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Weather series as boundary conditions.
 
-	times, values = talik.weather.airTemperature("station.csv")
+	times, values = talik.weather.airTemperature("station.csv")             # seconds or dates, or a file of a weather service as it comes
 	SurfaceTemperature(region="surface", heatTransferCoefficient=15, times=times, values=values)
 
 Where the exchange with the air is not computed, n-factors make the temperature of the surface from that of the air:
@@ -9,21 +9,35 @@ Where the exchange with the air is not computed, n-factors make the temperature 
 	SurfaceTemperature(region="surface", times=times, values=talik.weather.surfaceTemperature(values, thawing=0.9, freezing=0.4))
 """
 
+import csv
 import math
+from pathlib import Path
 
 import numpy as np
 
+from talik import dates
 from talik.tables import numberedRows
 
 secondsPerDay = 86400.0
 coldest, warmest = -100.0, 100.0  # what SurfaceTemperature accepts [degC]
+services = {  # headings of their files: date and temperature, in Fahrenheit or not
+	"DWD, hours": ("MESS_DATUM", "TT_TU", False),
+	"DWD, days": ("MESS_DATUM", "TMK", False),
+	"Environment Canada, days": ("Date/Time", "Mean Temp (°C)", False),
+	"Environment Canada, hours": ("Date/Time (LST)", "Temp (°C)", False),
+	"Meteostat, days": ("time", "tavg", False),
+	"Meteostat, hours": ("time", "temp", False),
+	"NOAA, Global Summary of the Day": ("DATE", "TEMP", True),
+}
+absent = ("", "-999", "-999.0", "9999.9")  # how services write that there is no value
 
 
 def airTemperature(path, start=0.0):
 	"""Times [s] and air temperatures [degC] of a CSV file, for the attributes times and values of a thermal boundary.
 
 	path   file with the columns time [s], increasing, and air temperature [degC]; in place of times dates (2024-05-15T12:00) of a scene with
-		   talik.dates.start. Further columns are passed over, as are empty lines, lines that begin with #, and one line of headings
+		   talik.dates.start. Further columns are passed over, as are empty lines, lines that begin with #, and one line of headings.
+		   Or a file of a service as it comes, known by its headings (talik.weather.services); lines without a value are left out
 	start  time of the series [s] at which the run begins
 
 	ValueError names file, line and fault.
@@ -35,7 +49,7 @@ def airTemperature(path, start=0.0):
 	if not math.isfinite(start):
 		raise ValueError(f"start is {start!r}; it must be a time of the series in s")
 	times, values = [], []
-	for line, (time, temperature) in numberedRows(path, ("time", "air temperature")):
+	for line, (time, temperature) in _ofService(path) or numberedRows(path, ("time", "air temperature")):
 		if times and time <= times[-1]:
 			raise ValueError(f"{path}, line {line}: time {time:g} s follows {times[-1]:g} s; times must increase")
 		if not coldest < temperature < warmest:
@@ -45,6 +59,39 @@ def airTemperature(path, start=0.0):
 	if not times:
 		raise ValueError(f"{path} holds no data; it must have lines with time [s] and air temperature [degC]")
 	return [time - start for time in times], values
+
+
+def _ofService(path):
+	"""(line, (time [s], temperature [degC])) of a file with the headings of a weather service; None of another one."""
+	try:
+		text = Path(path).read_text(encoding="utf-8-sig").splitlines()
+	except (OSError, UnicodeDecodeError):
+		return None
+	separator = ";" if text and text[0].count(";") > text[0].count(",") else ","
+	rows = [[cell.strip() for cell in row] for row in csv.reader(text, delimiter=separator)]
+	known = [columns for columns in services.values() if rows and set(columns[:2]) <= set(rows[0])]
+	if not known:
+		return None
+	date, temperature, fahrenheit = known[0]
+	when, what = rows[0].index(date), rows[0].index(temperature)
+	found = []
+	for line, row in enumerate(rows[1:], 2):
+		if len(row) <= max(when, what) or row[what] in absent:
+			continue
+		try:
+			value = float(row[what])
+			time = dates.dayOf(_iso(row[when])) * secondsPerDay
+		except ValueError as problem:
+			raise ValueError(f"{path}, line {line}: {problem}") from None
+		found.append((line, (time, (value - 32) / 1.8 if fahrenheit else value)))
+	return found
+
+
+def _iso(date):
+	"""20240515 and 2024051512 as ISO dates."""
+	if not (date.isdigit() and len(date) in (8, 10)):
+		return date
+	return f"{date[:4]}-{date[4:6]}-{date[6:8]}" + (f"T{date[8:]}:00" if len(date) == 10 else "")
 
 
 def degreeDays(times, temperature, threshold=0.0):

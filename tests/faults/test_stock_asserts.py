@@ -50,6 +50,28 @@ def goesOn():
 	assert O.iter == 3 and all(np.isfinite(body.state.pos).all() for body in O.bodies if body.shape)
 
 
+@pytest.mark.parametrize("recorders", [["intr"], ["spheres", "intr"], ["all"]])
+def test_contacts_of_a_periodic_scene_are_not_given_to_stock_yades_recorder(sample, recorders, tmp_path):
+	"""Stock YADE ends with a segmentation fault."""
+	with talik.inspect(sample.open()):
+		before = O.iter
+		O.engines = O.engines + [wrapper.VTKRecorder(fileName=str(tmp_path) + "/", recorders=recorders, iterPeriod=1)]
+		for start in (lambda: O.run(3, True), O.step, lambda: talik.runSerially(3)):
+			with pytest.raises(RuntimeError, match="by which stock YADE crashes in a periodic scene") as refusal:
+				start()
+		print(refusal.value)
+		O.engines[-1].recorders = ["spheres", "velocity", "colors"]
+		O.run(2, True)
+		assert O.iter == before + 2
+		files = talik.output.SampleSeries(tmp_path).write()
+	assert list(tmp_path.glob("*spheres*")) and list(tmp_path.glob("sample_contacts*")), files
+
+
+def test_a_prepared_sample_is_no_scene_and_the_remedy_is_named(sampleCache):
+	with pytest.raises(TypeError, match=r"got Sample; give a Scene: packed.open\(\)"):
+		talik.inspect(rve.prepare(grains=30, porosity=0.19, cache=sampleCache))
+
+
 def test_a_body_without_material_is_named():
 	pair()
 	material, O.bodies[1].material = O.bodies[1].material, None

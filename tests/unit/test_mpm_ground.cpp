@@ -439,7 +439,7 @@ TEST(MpmGround, BadScenesAreRefusedBySentencesThatNameTheFault)
 	EXPECT_NAMES(start([](auto& s) { s.heat->thermalTimeScale = 0.0; }), "HeatTransfer.thermalTimeScale = 0");
 	EXPECT_NAMES(start([](auto& s) { s.mixture.solid.density = -1.0; }), "GroundMaterial.solidDensity = -1");
 	EXPECT_NAMES(start([](auto& s) { s.water->permeability.referenceConductivity = 0.0; }), "PoreWater.conductivity = 0");
-	EXPECT_NAMES(start([](auto& s) { s.poreFill = 0.5; }), "MpmEngine.poreFill = 0.5");
+	EXPECT_NAMES(start([](auto& s) { s.poreFill = 1.5; }), "MpmEngine.poreFill = 1.5");
 	EXPECT_NAMES(start([](auto& s) { s.shapeFunction = "cubic"; }), "MpmEngine.shapeFunction = 'cubic'");
 	EXPECT_NAMES(start(same, [](PointInput<2>& p) { p.position[0] = 7.0; }), "outside the grid");
 	EXPECT_NAMES(start(same, [](PointInput<2>& p) { p.position[1] = NAN; }), "point 0.position[1]");

@@ -175,3 +175,40 @@ def test_a_map_of_probability_counts_runs_place_by_place_up_to_a_day(tmp_path):
 	assert (tmp_path / "map.vtu").stat().st_size > 500
 	with pytest.raises(ValueError, match="no frame up to day -1"):
 		forecast.probabilityMap(runs, day=-1)
+
+
+def ofHill(moved):
+	"""A hill of 3 m by 2 m and 2 m of height in UTM, in cells of a metre, of which points have moved."""
+	position = np.array([[500000.5 + x, 7100000.5 + y, z + 0.5] for x in range(3) for y in range(2) for z in range(2)])
+	displacement = np.zeros((12, 3))
+	displacement[list(moved), 0] = 0.3
+	return [dict(time=0.0, day=0.0, position=position + displacement, displacement=displacement, volume=np.ones(12))]
+
+
+@pytest.mark.parametrize("ending", ["asc", "tif"])
+def test_a_map_in_plan_says_where_anything_below_has_moved_and_other_programs_read_it(tmp_path, ending):
+	if ending == "tif":
+		pytest.importorskip("rasterio")
+	found = forecast.probabilityMap([ofHill({0}), ofHill({1}), ofHill({4}), ofHill({4, 5})], above=0.1, inPlan=True)
+	found.write(tmp_path / f"risk.{ending}", **(dict(crs="EPSG:32633") if ending == "tif" else {}))
+	grid = talik.solids.readHeights(tmp_path / f"risk.{ending}")
+	print(grid.x, grid.y, grid.z, sep="\n")
+	assert grid.z.tolist() == [[0.5, 0], [0.5, 0], [0, 0]]  # in two runs the first column, once its lower and once its upper point
+	assert grid.x == pytest.approx([500000.5, 500001.5, 500002.5], abs=1e-6) and grid.y == pytest.approx([7100000.5, 7100001.5], abs=1e-6)
+	if ending == "tif":
+		import rasterio
+
+		with rasterio.open(tmp_path / "risk.tif") as file:
+			assert file.descriptions == ("probability", "lowest", "highest") and file.crs.to_epsg() == 32633
+
+
+def test_a_section_is_no_map_and_a_map_needs_a_known_ending(tmp_path):
+	section = [dict(time=0.0, position=np.zeros((1, 2)), displacement=np.zeros((1, 2)), volume=np.ones(1))]
+	with pytest.raises(ValueError, match="give probabilityMap ground in space and inPlan=True"):
+		forecast.probabilityMap([section]).write(tmp_path / "risk.tif")
+	with pytest.raises(ValueError, match="inPlan needs ground in space"):
+		forecast.probabilityMap([section], inPlan=True)
+	with pytest.raises(ValueError, match="choose .vtu, .tif or .asc"):
+		forecast.probabilityMap([section]).write(tmp_path / "risk.png")
+	with pytest.raises(ValueError, match="the places are in space"):
+		forecast.probabilityMap([ofHill({0})]).draw()

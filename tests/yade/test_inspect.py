@@ -173,7 +173,7 @@ def test_a_live_sample_that_can_be_one_no_more_stays_shown_until_it_is_given_up(
 	ground = O._sceneObj
 	mpm.inspect(5, live=True)
 	O.engines = O.engines + [wrapper.PyRunner(command="pass", iterPeriod=10)]
-	with pytest.raises(ValueError, match="it has a PyRunner"):
+	with pytest.raises(ValueError, match=r"it has a PyRunner.*mend it and call back\(\) again, or call back\(keep=False\)"):
 		mpm.back()
 	assert not same(O._sceneObj, ground) and mpm.inspected
 	mpm.back(keep=False)

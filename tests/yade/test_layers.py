@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Ground in named layers, each with its material, its law and its state at the start."""
 
+import math
+
 import numpy as np
 import pytest
 from fixtures import forty
+from scipy.optimize import brentq
 from yade import O, wrapper
 
 import talik
@@ -252,10 +255,64 @@ def test_layers_with_samples_of_their_own_are_settled_each(sampleCache):
 	assert means[0] < 0.19 < means[1]
 
 
-def test_a_dry_layer_beside_pore_water_is_refused_by_its_name():
+def neumann(conductivity, capacity, latent, colder, time):
+	"""Depth of the front [m] of ground at its freezing point whose surface is colder by so many K."""
+	stefan = capacity * colder / latent
+	root = brentq(lambda x: x * math.exp(x * x) * math.erf(x) - stefan / math.sqrt(math.pi), 1e-6, 5)
+	return 2 * root * math.sqrt(conductivity / capacity * time)
+
+
+@pytest.mark.parametrize("wet", [False, True])
+def test_frost_goes_through_partly_filled_gravel_as_fast_as_its_water_lets_it_and_the_silt_below_it_stays_full(wet):
+	fill, n, colder, days = 0.1, 0.4, 5.0, 12
+	gravel = Material(hydraulicConductivity=1e-8) if wet else Material()
+	mpm = ground(
+		gridSpacing=0.05,
+		lower=(0, 0),
+		upper=(0.05, 1.6),
+		freezing=wrapper.FreezingCurve(width=0.02),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e6),
+		skeleton=wrapper.ElasticSkeleton(young=2e7),
+		thawFront=None,
+		**(dict(water=wrapper.PoreWater(conductivity=1e-8, hydraulicTimeScale=1e6)) if wet else {}),
+	)
+	mpm.boundaries = [
+		*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
+		wrapper.SurfaceTemperature(region="surface", temperature=-colder),
+		*([wrapper.DrainedBoundary(region="surface")] if wet else []),
+	]
+	layers = {
+		"gravel": dict(polygon=rectangle(0, 0.5, 0.05, 1.5), porosity=n, poreFill=fill, material=gravel),
+		"silt": dict(polygon=rectangle(0, 0, 0.05, 0.5), porosity=n, material=Material()),
+	}
+	ids = talik.layers.fill(mpm, layers, lateralRatio=0.5, **(dict(waterTable=0.5) if wet else {}))
+	dry, full = 0.6 * 2650 + fill * n * 1000, 0.6 * 2650 + n * 1000
+	y, vertical = mpm.field("position")[:, 1], mpm.field("stress")[:, 1]
+	weight = -9.81 * (dry * np.minimum(1.5 - y, 1.0) + (full - 1000 * wet) * np.maximum(0.5 - y, 0.0))
+	np.testing.assert_allclose(vertical, weight, rtol=2e-3)
+	water = mpm.field("waterMass").sum()
+	O.engines = [mpm]
+	talik.runUntilDay(mpm, days)
+	ice = 0.95 * 910 / (0.95 * 910 + 0.05 * 1000) if wet else 1.0  # of the water; without flow all of it fits into the pores that the curve leaves to ice
+	frozen = mpm.field("iceMass").sum() / (ice * fill * n * 1000 * 0.05)
+	kappa = (1 - n) * 1.0 + fill * n * (2.2 * ice + 0.6 * (1 - ice))
+	capacity = (1 - n) * 2650 * 800 + fill * n * 1000 * (2060 * ice + 4200 * (1 - ice))
+	reference = neumann(kappa, capacity, ice * fill * n * 1000 * 334e3, colder, days * talik.day)
+	moved = 1e3 * abs(mpm.field("displacement")[:, 1]).max()
+	print(
+		f"frozen to {frozen:.3f} m, Neumann {reference:.3f} m; water {mpm.field('waterMass').sum() / water:.4f} of that at the start; moved by {moved:.1f} mm"
+	)
+	assert frozen == pytest.approx(reference, rel=0.03) and moved < 3
+	silt = ids["silt"]
+	held = mpm.field("waterMass")[silt] / (n * mpm.field("initialVolume")[silt] * 1000)
+	print(f"fill of the silt {held.min():.3f} to {held.max():.3f}; of the gravel at the start {fill}")
+	assert 0.97 < held.min() and held.max() < 1.03
+
+
+def test_a_fill_of_pores_that_cannot_be_is_refused_by_the_name_of_its_layer():
 	mpm = wrapper.MpmEngine(gridSpacing=0.5, gravity=(0, -9.81), skeleton=wrapper.ElasticSkeleton(), water=wrapper.PoreWater())
-	gravel, silt = dict(polygon=talik.geometry.rectangle(0, 1, 2, 2), poreFill=0.1), dict(polygon=talik.geometry.rectangle(0, 0, 2, 1))
-	with pytest.raises(ValueError, match="layer 'gravel' has poreFill 0.1, and with MpmEngine.water all pores are full; leave water out"):
+	gravel, silt = dict(polygon=talik.geometry.rectangle(0, 1, 2, 2), poreFill=0), dict(polygon=talik.geometry.rectangle(0, 0, 2, 1))
+	with pytest.raises(ValueError, match="layer 'gravel' has poreFill 0 to 0; give 0.01 to 1"):
 		talik.layers.fill(mpm, {"gravel": gravel, "silt": silt})
 
 

@@ -12,7 +12,7 @@ import talik
 
 # outline [m], friction angle [degrees], cohesion [Pa], unit weight [N/m3]
 griffithsLane1 = ([(0, 0), (32, 0), (12, 10), (0, 10)], 20, 10e3, 20e3)  # Griffiths & Lane 1999, example 1: 2:1, c/(gamma H) = 0.05
-acads1a = ([(20, 20), (70, 20), (70, 25), (50, 25), (30, 35), (20, 35)], 19.6, 3e3, 20e3)  # Giam & Donald 1989, slope 1(a), mirrored
+acads1a = ([(20, 20), (70, 20), (70, 25), (50, 25), (30, 35), (20, 35)], 19.6, 3e3, 20e3)  # Giam & Donald 1989, slope 1(a), mirrored; F = 1.00
 
 
 def bank(slope, h, perCell=4, ru=None):
@@ -23,14 +23,16 @@ def bank(slope, h, perCell=4, ru=None):
 	cone = c / math.tan(math.radians(phi))
 	water = {} if ru is None else dict(water=wrapper.PoreWater())
 	grains = weight / 9.81 / 0.6 if ru is None else (weight / 9.81 - 400) / 0.6
+	held = (corners[:, 0] == upper[0]).sum() > 1  # the ground goes on to the right
+	sides = ["left", "right"] if held else ["left"]
 	mpm = wrapper.MpmEngine(
 		gridSpacing=h,
 		lower=lower.tolist(),
-		upper=(float(upper[0]) + 2 * h, float(lower[1]) + h * math.ceil((upper[1] - lower[1]) / h + 2)),
+		upper=(float(upper[0]) + (0 if held else 2 * h), float(lower[1]) + h * math.ceil((upper[1] - lower[1]) / h + 2)),
 		gravity=(0, -9.81),
 		material=wrapper.GroundMaterial(solidDensity=grains),
 		skeleton=wrapper.MohrCoulombSkeleton(young=1e7, cohesion=c, frictionAngle=phi, tensileStrength=cone),
-		boundaries=[wrapper.RollerBoundary(region="left"), wrapper.FixedBoundary(region="bottom")],
+		boundaries=[*(wrapper.RollerBoundary(region=side) for side in sides), wrapper.FixedBoundary(region="bottom")],
 		**water,
 	)
 	soil = dict(polygon=outline, porosity=0.4)
@@ -61,6 +63,20 @@ def test_reduced_strength_finds_the_factor_of_griffiths_and_lane_with_twenty_cel
 	mpm = bank(griffithsLane1, h=0.5)
 	found = talik.slope.factorOfSafety(mpm, between=(0.7, 2.0), accuracy=0.005)
 	assert off(f"{mpm.pointCount} points", found, 1.4, 0.03)
+
+
+def test_reduced_strength_finds_the_factor_of_acads_1a_with_ten_cells_over_the_height():
+	mpm = bank(acads1a, h=1.0)
+	found = talik.slope.factorOfSafety(mpm, between=(0.7, 1.4), accuracy=0.02)
+	assert off(f"{mpm.pointCount} points", found, 1.0, 0.03)
+	moved, place = np.linalg.norm(found.frame["displacement"], axis=1), found.frame["position"]
+	assert place[moved > 0.5 * moved.max(), 0].max() < 53  # the mechanism leaves by the toe, which is at 50 m
+
+
+def test_reduced_strength_finds_the_factor_of_acads_1a_with_twenty_cells_over_the_height_slow():
+	mpm = bank(acads1a, h=0.5)
+	found = talik.slope.factorOfSafety(mpm, between=(0.7, 1.4), accuracy=0.005)
+	assert off(f"{mpm.pointCount} points", found, 1.0, 0.03)
 
 
 def test_reduced_strength_with_pore_pressure_agrees_with_bishop_slow():

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Named settings do what they are for, against closed forms."""
 
+import pydoc
+import re
+
 import numpy as np
 import pytest
 from yade import O, wrapper
@@ -51,3 +54,14 @@ def test_every_set_of_settings_makes_a_ground_without_doubts_that_runs(name):
 
 def test_the_usual_attributes_are_attributes():
 	assert all(hasattr(wrapper.MpmEngine, name) for name in talik.settings.usual)
+
+
+def test_help_names_what_most_scenes_give_first_and_nothing_that_says_nothing():
+	page = pydoc.plain(pydoc.render_doc(wrapper.MpmEngine))
+	assert "Most scenes give gridSpacing, lower, upper, gravity" in page.split("Methods defined here")[0].replace("\n |  ", " ")
+	section = page.split("Data descriptors defined here:")[1].split("----------")[0]
+	listed = re.findall(r"^ \|  (\w+)$", section, re.M)
+	print(listed)
+	usual = [name for name in talik.settings.usual if name in listed]
+	assert listed[: len(usual)] == usual and len(usual) > 12 and len(listed) > 25
+	assert "bogus" not in page and "just define" not in page

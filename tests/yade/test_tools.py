@@ -235,6 +235,21 @@ def withXvfb(folder, body):
 	return run.stdout
 
 
+def test_the_recipe_of_a_picture_without_a_window_leaves_one(tmp_path):
+	from matplotlib import image
+
+	page = (Path(__file__).resolve().parents[2] / "examples" / "manual" / "recipes.md").read_text()
+	(tmp_path / "picture.py").write_text(re.search(r"^```py\n(.*?)^```", page, re.S | re.M).group(1))
+	command = ["xvfb-run", "-a", "-s", "-screen 0 1024x768x24", "yade", "-x", "picture.py"]
+	run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=150, env=dict(os.environ))
+	files = sorted(tmp_path.glob("picture-*.png"))
+	assert files, run.stdout + run.stderr
+	picture = image.imread(files[-1])[..., :3]
+	drawn = float((picture.min(axis=-1) < 0.9).mean())
+	print(f"{len(files)} pictures of {picture.shape[1]} x {picture.shape[0]} pixels, {100 * drawn:.0f} % of them not white")
+	assert 0.05 < drawn < 0.9
+
+
 def test_the_snapshot_engine_takes_pictures_of_bodies_on_the_ground(tmp_path):
 	from matplotlib import image
 

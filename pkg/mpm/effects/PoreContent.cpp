@@ -349,17 +349,22 @@ template <int D> void PoreContent<D>::updatePorosity(const Block& b)
 
 template <int D> void PoreContent<D>::updateConductivity(const Block& b, double* conductivity) const
 {
-	const MixtureProperties m     = b.of->mixture;
-	const double* const     n     = porosity + b.first;
-	double* const           kappa = conductivity + b.first;
+	const MixtureProperties m        = b.of->mixture;
+	const double* const     n        = porosity + b.first;
+	const double* const     contents = waterMass + b.first;
+	double* const           kappa    = conductivity + b.first;
+	double                  fill[blockSize]; // pores that their ice fills are full when it melts, too
+	std::fill_n(fill, b.count, 1.0);
+	for (int k = 0; holdsAir && k < b.count; ++k)
+		fill[k] = std::min(1.0, contents[k] / (m.ice.density * b.poreVolume[k]));
 	if (m.conductivityMean == ConductivityMean::arithmetic) {
 #pragma GCC ivdep
 		for (int k = 0; k < b.count; ++k)
-			kappa[k] = m.arithmeticConductivity(VolumeFractions::of(n[k], b.liquidSaturation[k]));
+			kappa[k] = m.arithmeticConductivity(VolumeFractions::of(n[k], b.liquidSaturation[k], fill[k]));
 		return;
 	}
 	for (int k = 0; k < b.count; ++k)
-		kappa[k] = m.conductivity(VolumeFractions::of(n[k], b.liquidSaturation[k]));
+		kappa[k] = m.conductivity(VolumeFractions::of(n[k], b.liquidSaturation[k], fill[k]));
 }
 
 template <int D> void PoreContent<D>::updateIce(const Block& b)

@@ -126,6 +126,7 @@ public:
 	double smallestReferencePorosity() const;
 
 	double *solidMass = nullptr, *waterMass = nullptr, *porosity = nullptr;
+	bool    holdsAir      = false;   ///< some pores were not full at the start: what they hold conducts heat
 	double* iceMass       = nullptr; ///< nullptr without freezing
 	double* iceSaturation = nullptr;
 

@@ -31,8 +31,5 @@ public:
 	virtual ~Body();
 	TALIK_STOCK_OVERRIDES()
 	virtual void userForcedDisplacementRedrawHook();
-
-	static const shared_ptr<Body>& byId(id_t, Scene*);
-	const id_t&                    getId() const { return id; }
 };
 } // namespace yade

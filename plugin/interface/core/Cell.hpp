@@ -21,14 +21,7 @@ public:
 	virtual ~Cell();
 	TALIK_STOCK_OVERRIDES()
 
-	void     integrateAndUpdate(Real dt);
-	Matrix3r getTrsf() const;
-	void     setTrsf(const Matrix3r&);
-	Matrix3r getHSize() const;
-	void     setHSize(const Matrix3r&);
-	Matrix3r getVelGrad() const;
-	void     setVelGrad(const Matrix3r&);
-	Real     getVolume() const;
+	void integrateAndUpdate(Real dt);
 
 private:
 	friend struct CellLayout;

@@ -24,11 +24,10 @@ public:
 
 	ForceContainer();
 	~ForceContainer();
-	void            sync();
-	void            addForce(Body::id_t, const Vector3r&);
-	void            addTorque(Body::id_t, const Vector3r&);
-	const Vector3r& getForce(Body::id_t);
-	int             getNumAllocatedThreads() const;
+	void sync();
+	void addForce(Body::id_t, const Vector3r&);
+	void addTorque(Body::id_t, const Vector3r&);
+	int  getNumAllocatedThreads() const;
 
 private:
 	friend struct ForceContainerLayout;

@@ -40,7 +40,6 @@ public:
 	void                  pyRegisterClass(::boost::python::object) override;
 
 	bool              isReal() const;
-	bool              isFresh(Scene*);
 	const Body::id_t& getId1() const { return id1; }
 	const Body::id_t& getId2() const { return id2; }
 };

@@ -36,7 +36,6 @@ public:
 	bool                           insert(const shared_ptr<Interaction>&);
 	bool                           erase(Body::id_t, Body::id_t, int linPos = -1);
 	const shared_ptr<Interaction>& find(Body::id_t, Body::id_t);
-	void                           requestErase(Interaction*);
 
 private:
 	InteractionContainer();

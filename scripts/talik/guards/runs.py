@@ -27,7 +27,7 @@ def makeRunsInterruptible(omegaClass):
 
 	def run(self, nSteps=-1, wait=False):
 		if not self.running:
-			_talik.refuseToAbort()
+			refuseToAbort(self)
 		unwaited[:] = [] if wait else [True]
 		omegaClass._mayStep = True
 		if not wait:
@@ -47,6 +47,19 @@ def makeRunsInterruptible(omegaClass):
 
 	run.__doc__, wait.__doc__ = stockRun.__doc__, stockWait.__doc__
 	omegaClass.run, omegaClass.wait = run, wait
+
+
+def refuseToAbort(omega):
+	"""What would end the whole process is said before it does."""
+	_talik.refuseToAbort()
+	if not omega.periodic:
+		return
+	for k, engine in enumerate(omega.engines):
+		if type(engine).__name__ == "VTKRecorder" and not engine.dead and {"intr", "all"} & set(engine.recorders):
+			raise RuntimeError(
+				f"The scene cannot run: O.engines[{k}] is a VTKRecorder with {list(engine.recorders)!r}, by which stock YADE crashes in a periodic scene. "
+				"Give recorders=['spheres','velocity','colors'], and write contacts by talik.output.SampleSeries."
+			)
 
 
 @contextmanager
@@ -82,7 +95,7 @@ def makeStepsKnown(omegaClass):
 	stockStep = omegaClass._stockStep = omegaClass.step
 
 	def step(self):
-		_talik.refuseToAbort()
+		refuseToAbort(self)
 		_talik.callAsStep(lambda: stockStep(self))
 
 	step.__doc__ = stockStep.__doc__

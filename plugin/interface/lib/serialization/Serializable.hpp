@@ -35,8 +35,7 @@ public:
 	virtual void                  pyRegisterClass(::boost::python::object scope);
 	virtual void                  pyHandleCustomCtorArgs(::boost::python::tuple& args, ::boost::python::dict& keywords);
 
-	void        pyUpdateAttrs(const ::boost::python::dict&);
-	std::string pyStr();
+	void pyUpdateAttrs(const ::boost::python::dict&);
 };
 } // namespace yade
 TALIK_STOCK_BASE(Serializable)
