@@ -131,5 +131,5 @@ output.writeSummary(
 	},
 )
 if closure > 1e-11 or offWeight > 0.01:
-	raise SystemExit("the balance of momentum or of weight is worse than it should be")
+	output.unexpected("the balance of momentum or of weight is worse than it should be")
 print(f"picture and summary are in {folder}")

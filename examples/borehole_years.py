@@ -216,5 +216,5 @@ plots.save(figure, folder / "borehole_years.png", dpi=100)
 deepest = {name: float(thaw[name].max()) for name in runs}
 output.writeSummary(folder / "summary.json", **{"peat": found, "deepest thaw [m]": deepest})
 if not all(0 < value < bottom for value in deepest.values()):
-	raise SystemExit("the ground never thaws, or thaws to its base")
+	output.unexpected("the ground never thaws, or thaws to its base")
 print(f"picture and summary are in {folder}")

@@ -151,5 +151,5 @@ output.writeSummary(
 	**{"preset": options.preset, "weight [N]": weight, "weight error at rest [-]": carried, "path [m]": path, "momentum closure [-]": closure},
 )
 if carried > 0.01 or closure > 1e-11:
-	raise SystemExit("the balance of momentum or of weight is worse than it should be")
+	output.unexpected("the balance of momentum or of weight is worse than it should be")
 print(f"picture and summary are in {folder}")

@@ -133,5 +133,5 @@ output.writeSummary(
 	},
 )
 if abs(slope / law.exponent - 1) > 0.05 or not 0.5 < inLoad.mean() < 2:
-	raise SystemExit("exponent more than 5 % off that of the ice, or load more than twice off that by hand for the same rate")
+	output.unexpected("exponent more than 5 % off that of the ice, or load more than twice off that by hand for the same rate")
 print(f"picture and summary are in {folder}")

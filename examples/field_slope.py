@@ -211,5 +211,5 @@ output.writeSummary(
 )
 first = runs["as assumed"][0]
 if not (first["heave"] > 0 and first["path"] > 0):
-	raise SystemExit("the slope does not heave in winter, or does not move downslope")
+	output.unexpected("the slope does not heave in winter, or does not move downslope")
 print(f"picture and table are in {folder}")

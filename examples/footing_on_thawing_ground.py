@@ -136,5 +136,5 @@ output.writeSummary(
 	},
 )
 if abs(frozen - 1) > 0.01 or abs(thawed - 1) > 0.01:
-	raise SystemExit("the ground does not carry the weight of the footing within 1 %")
+	output.unexpected("the ground does not carry the weight of the footing within 1 %")
 print(f"picture and summary are in {folder}")

@@ -23,13 +23,16 @@ from talik.files import writableFolder
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--preset", default="draft", choices=("test", "draft", "standard"), help="size of the job")
 parser.add_argument("--output", default="output/frost_heave_column", help="folder for the results")
+parser.add_argument("--surface", type=float, default=-5.0, help="temperature of the surface from the fifth day on [degC], below 0")
+parser.add_argument("--segregation-potential", type=float, default=1.5e-9, help="of the soil without load [m^2/(s K)]")
+parser.add_argument("--table", type=float, default=1.2, help="depth of the water table [m], 0 to 3")
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
 h, winter = {"test": (0.1, 40), "draft": (0.1, 120), "standard": (0.05, 120)}[options.preset]  # grid spacing [m], days
-depth, table, porosity, conductivity = 3.0, 1.2, 0.4, 1e-8  # of the ground and of the water table [m]; k [m/s]
-cold = -5.0  # surface from the fifth day on [degC]
-segregation = IceSegregation(segregationPotential=1.5e-9, pressureDecay=8e-6)  # a silt; measured in the laboratory [m^2/(s K), 1/Pa]
+depth, table, porosity, conductivity = 3.0, options.table, 0.4, 1e-8  # of the ground and of the water table [m]; k [m/s]
+cold = options.surface  # surface from the fifth day on [degC]
+segregation = IceSegregation(segregationPotential=options.segregation_potential, pressureDecay=8e-6)  # a silt; measured in the laboratory [m^2/(s K), 1/Pa]
 
 mpm = MpmEngine(
 	gridSpacing=h,
@@ -109,5 +112,5 @@ output.writeSummary(
 	},
 )
 if not 0.85 < ice[-1] / byHand[-1] < 1.05:  # by hand the ground itself has no heat, so that the front is deeper
-	raise SystemExit("the excess ice is more than 15 % below the calculation by hand, or 5 % above it")
+	output.unexpected("the excess ice is more than 15 % below the calculation by hand, or 5 % above it")
 print(f"picture and summary are in {folder}")

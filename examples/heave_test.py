@@ -138,5 +138,5 @@ axes.legend(frameon=False, fontsize=8)
 plots.save(figure, folder / "heave_test.png", dpi=100)
 output.writeSummary(folder / "summary.json", **{"hours": hours, "heave [mm]": {name: list(map(float, curve[0])) for name, curve in curves.items()}})
 if not (low < middle).all() or not (middle < high).all():
-	raise SystemExit("more segregation potential does not heave more")
+	output.unexpected("more segregation potential does not heave more")
 print(f"picture and summary are in {folder}")

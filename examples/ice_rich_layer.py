@@ -76,5 +76,5 @@ output.writeSummary(
 	**{"settled area [m2]": settled, "by hand [m2]": settledByHand, "lens begins to thaw [d]": day, "begins by hand [d]": dayByHand},
 )
 if abs(settled / settledByHand - 1) > 0.1 or abs(day / dayByHand - 1) > 0.15:
-	raise SystemExit("settlement or thaw is more than 10 or 15 % off the calculation by hand")
+	output.unexpected("settlement or thaw is more than 10 or 15 % off the calculation by hand")
 print(f"picture and summary are in {folder}")

@@ -194,7 +194,7 @@ def main():
 	)
 	print(f"picture and summary are in {folder}")
 	if not summary["cohesive-frictional"]["displacement [m]"] < summary["Hertz-Mindlin"]["displacement [m]"]:
-		raise SystemExit("cohesion should hold the bank better than friction alone")
+		output.unexpected("cohesion should hold the bank better than friction alone")
 
 
 if __name__ == "__main__":

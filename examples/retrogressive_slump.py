@@ -152,7 +152,7 @@ panels[2].legend(frameon=False, fontsize=8)
 plots.save(figure, folder / "retrogressive_slump.png", dpi=100)
 output.writeSummary(folder / "summary.json", **{"retreat [m]": found[last][0], "run-out [m]": found[last][1], "July and August [cm/day]": rates(found)})
 if not found[last][0] > 0:
-	raise SystemExit("the head wall does not retreat")
+	output.unexpected("the head wall does not retreat")
 for name in options.vary:
 	for value in variations[name]:
 		other, _ = run(replace(usual, **{name: value}), (30, summer))

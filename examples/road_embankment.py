@@ -27,16 +27,22 @@ parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--preset", default="draft", choices=("test", "draft", "standard"), help="size of the job")
 parser.add_argument("--weather", default=str(Path(sys.argv[0]).with_name("road_embankment.csv")), help="CSV file of time [s] and air temperature [degC]")
 parser.add_argument("--output", default="output/road_embankment", help="folder for the results")
+parser.add_argument("--fine", type=float, default=1600, help="frozen density of the fine soil [kg/m^3]")
+parser.add_argument("--coarse", type=float, default=1800, help="frozen density of the coarse soil [kg/m^3]")
+parser.add_argument("--fill", type=float, default=0.3, help="part of the pores of the gravel that holds water [-]")
+parser.add_argument("--n-factors", type=float, nargs=2, default=(1.3, 0.6), metavar=("THAWING", "FREEZING"), help="of the surface of the road")
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
 h, years = {"test": (0.25, 6), "draft": (0.25, 30), "standard": (0.125, 30)}[options.preset]  # grid spacing [m]
 gravity, embankment, depth = 9.81, 2.0, 8.0  # [m/s^2], [m], [m]
-gravelPorosity, gravelFill = 0.3, 0.3
-soils = {"fine soil, 1600 kg/m³": talik.soils.thaw("fine", frozenDensity=1600), "coarse soil, 1800 kg/m³": talik.soils.thaw("coarse", frozenDensity=1800)}
+gravelPorosity, gravelFill = 0.3, options.fill
+soils = {
+	f"{kind} soil, {density:g} kg/m³": talik.soils.thaw(kind, frozenDensity=density) for kind, density in (("fine", options.fine), ("coarse", options.coarse))
+}
 colors = ("#1f77b4", "#d95f02")
 times, air = weather.airTemperature(options.weather)
-surface = weather.surfaceTemperature(air, thawing=1.3, freezing=0.6)
+surface = weather.surfaceTemperature(air, *options.n_factors)
 gravelDensity = (1 - gravelPorosity) * 2650 + gravelPorosity * gravelFill * 1000
 
 
@@ -115,5 +121,5 @@ lower.set_xlabel("year")
 plots.save(figure, folder / "road_embankment.png", dpi=100)
 output.writeSummary(folder / "summary.json", **summary)
 if max(offs) > 0.1:
-	raise SystemExit("a settlement is more than 10 % off the calculation by hand")
+	output.unexpected("a settlement is more than 10 % off the calculation by hand")
 print(f"picture and summary are in {folder}")

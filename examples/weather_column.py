@@ -139,7 +139,8 @@ for d in range(len(thawed) - 365, len(thawed), 30):
 	shown = [np.interp(x, depths, temperature[d]) for x in (0.0, 1.0, 5.0)]
 	print(f"{d + 1:5d} {np.interp((d + 1) * day, times, values):9.1f} {shown[0]:13.1f} {shown[1]:9.1f} {shown[2]:9.1f} {thawed[d]:11.2f}")
 print(f"deepest thaw of the last year {deepest:.2f} m; Stefan's estimate {expected:.2f} m; heat closes to {residual:.1e}")
-assert 0 < deepest <= expected + column.spacing, "thaw reaches deeper than all the heat of the air could bring it"
+if not 0 < deepest <= expected + column.spacing:
+	output.unexpected("thaw reaches deeper than all the heat of the air could bring it")
 draw(times, values, depths, temperature, thawed, folder / "weather_column.png")
 np.savez(folder / "record.npz", depth=depths, temperature=temperature, iceSaturation=ice, thawed=thawed)
 output.writeSummary(folder / "summary.json", **{"deepest thaw [m]": deepest, "Stefan [m]": expected, "heat residual": residual})

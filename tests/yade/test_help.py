@@ -80,6 +80,7 @@ def sample(sampleCache):
 def names(sample, tmp_path, sampleCache, monkeypatch):
 	"""What an example finds: a ground in mid-run in O, a sample in both forms, a picture to draw into, a folder."""
 	monkeypatch.chdir(tmp_path)
+	monkeypatch.delenv("TALIK_JUDGES", raising=False)
 	monkeypatch.setenv("XDG_CACHE_HOME", str(sampleCache.parents[1]))
 	packed = talik.rve.pack(sample)
 	frozen = packed.copy()
@@ -171,3 +172,12 @@ def test_the_list_of_examples_is_complete():
 	pictures = set(re.findall(r"\]\((\w+\.png)\)", page))
 	print(f"{len(scripts)} examples, {len(pictures)} pictures")
 	assert listed == scripts and all((folder / picture).exists() for picture in pictures)
+
+
+def test_a_result_far_from_that_by_hand_is_a_remark_and_ends_an_example_in_tests_only(monkeypatch, capsys):
+	monkeypatch.delenv("TALIK_JUDGES", raising=False)
+	talik.output.unexpected("half of it")
+	assert capsys.readouterr().out == "Remark: half of it\n"
+	monkeypatch.setenv("TALIK_JUDGES", "1")
+	with pytest.raises(SystemExit, match="half of it"):
+		talik.output.unexpected("half of it")
