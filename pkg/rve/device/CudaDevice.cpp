@@ -25,6 +25,35 @@ namespace {
 
 	const char* const pageOfCards = "the manual's page 'Samples on a graphics card'";
 
+	// X(what it is called here, its name, its arguments)
+#define TALIK_CUDA_FUNCTIONS                                                                                                               \
+	X(init, "cuInit", (unsigned))                                                                                                      \
+	X(deviceCount, "cuDeviceGetCount", (int*))                                                                                         \
+	X(deviceGet, "cuDeviceGet", (Device*, int))                                                                                        \
+	X(deviceName, "cuDeviceGetName", (char*, int, Device))                                                                             \
+	X(deviceAttribute, "cuDeviceGetAttribute", (int*, int, Device))                                                                    \
+	X(retain, "cuDevicePrimaryCtxRetain", (Context*, Device))                                                                          \
+	X(releaseContext, "cuDevicePrimaryCtxRelease_v2", (Device))                                                                        \
+	X(setCurrent, "cuCtxSetCurrent", (Context))                                                                                        \
+	X(memoryInfo, "cuMemGetInfo_v2", (std::size_t*, std::size_t*))                                                                     \
+	X(allocate, "cuMemAlloc_v2", (Address*, std::size_t))                                                                              \
+	X(release, "cuMemFree_v2", (Address))                                                                                              \
+	X(allocateOnHost, "cuMemHostAlloc", (void**, std::size_t, unsigned))                                                               \
+	X(releaseOnHost, "cuMemFreeHost", (void*))                                                                                         \
+	X(copyIn, "cuMemcpyHtoD_v2", (Address, const void*, std::size_t))                                                                  \
+	X(copyOut, "cuMemcpyDtoH_v2", (void*, Address, std::size_t))                                                                       \
+	X(loadModule, "cuModuleLoadDataEx", (Module*, const void*, unsigned, int*, void**))                                                \
+	X(unloadModule, "cuModuleUnload", (Module))                                                                                        \
+	X(kernelNamed, "cuModuleGetFunction", (Kernel*, Module, const char*))                                                              \
+	X(setKernelAttribute, "cuFuncSetAttribute", (Kernel, int, int))                                                                    \
+	X(launch, "cuLaunchKernel", (Kernel, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, void*, void**, void**)) \
+	X(copyInLater, "cuMemcpyHtoDAsync_v2", (Address, const void*, std::size_t, void*))                                                 \
+	X(copyOutLater, "cuMemcpyDtoHAsync_v2", (void*, Address, std::size_t, void*))                                                      \
+	X(createStream, "cuStreamCreate", (void**, unsigned))                                                                              \
+	X(destroyStream, "cuStreamDestroy_v2", (void*))                                                                                    \
+	X(waitForStream, "cuStreamSynchronize", (void*))                                                                                   \
+	X(errorName, "cuGetErrorName", (Result, const char**))
+
 	/// The driver, once it is open.
 	class Driver {
 	public:
@@ -35,32 +64,9 @@ namespace {
 				throw DeviceFailure(
 				        "There is no driver of NVIDIA's here (" + std::string(dlerror())
 				        + "). Install Debian's package nvidia-driver of non-free, see " + pageOfCards + ", or set device='cpu'.");
-			find(init, "cuInit");
-			find(deviceCount, "cuDeviceGetCount");
-			find(deviceGet, "cuDeviceGet");
-			find(deviceName, "cuDeviceGetName");
-			find(deviceAttribute, "cuDeviceGetAttribute");
-			find(retain, "cuDevicePrimaryCtxRetain");
-			find(releaseContext, "cuDevicePrimaryCtxRelease_v2");
-			find(setCurrent, "cuCtxSetCurrent");
-			find(memoryInfo, "cuMemGetInfo_v2");
-			find(allocate, "cuMemAlloc_v2");
-			find(release, "cuMemFree_v2");
-			find(allocateOnHost, "cuMemHostAlloc");
-			find(releaseOnHost, "cuMemFreeHost");
-			find(copyIn, "cuMemcpyHtoD_v2");
-			find(copyOut, "cuMemcpyDtoH_v2");
-			find(loadModule, "cuModuleLoadDataEx");
-			find(unloadModule, "cuModuleUnload");
-			find(kernelNamed, "cuModuleGetFunction");
-			find(setKernelAttribute, "cuFuncSetAttribute");
-			find(launch, "cuLaunchKernel");
-			find(copyInLater, "cuMemcpyHtoDAsync_v2");
-			find(copyOutLater, "cuMemcpyDtoHAsync_v2");
-			find(createStream, "cuStreamCreate");
-			find(destroyStream, "cuStreamDestroy_v2");
-			find(waitForStream, "cuStreamSynchronize");
-			find(errorName, "cuGetErrorName");
+#define X(function, name, arguments) find(function, name);
+			TALIK_CUDA_FUNCTIONS
+#undef X
 		}
 		~Driver() { dlclose(library); }
 		Driver(const Driver&)            = delete;
@@ -76,32 +82,9 @@ namespace {
 			        "The graphics card failed " + what + " (" + (name ? name : "error " + std::to_string(result)) + "). " + remedy(result));
 		}
 
-		Result (*init)(unsigned);
-		Result (*deviceCount)(int*);
-		Result (*deviceGet)(Device*, int);
-		Result (*deviceName)(char*, int, Device);
-		Result (*deviceAttribute)(int*, int, Device);
-		Result (*retain)(Context*, Device);
-		Result (*releaseContext)(Device);
-		Result (*setCurrent)(Context);
-		Result (*memoryInfo)(std::size_t*, std::size_t*);
-		Result (*allocate)(Address*, std::size_t);
-		Result (*release)(Address);
-		Result (*allocateOnHost)(void**, std::size_t, unsigned);
-		Result (*releaseOnHost)(void*);
-		Result (*copyIn)(Address, const void*, std::size_t);
-		Result (*copyOut)(void*, Address, std::size_t);
-		Result (*loadModule)(Module*, const void*, unsigned, int*, void**);
-		Result (*unloadModule)(Module);
-		Result (*kernelNamed)(Kernel*, Module, const char*);
-		Result (*setKernelAttribute)(Kernel, int, int);
-		Result (*launch)(Kernel, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, unsigned, void*, void**, void**);
-		Result (*copyInLater)(Address, const void*, std::size_t, void*);
-		Result (*copyOutLater)(void*, Address, std::size_t, void*);
-		Result (*createStream)(void**, unsigned);
-		Result (*destroyStream)(void*);
-		Result (*waitForStream)(void*);
-		Result (*errorName)(Result, const char**);
+#define X(function, name, arguments) Result(*function) arguments;
+		TALIK_CUDA_FUNCTIONS
+#undef X
 
 	private:
 		template <class Function> void find(Function& function, const char* name)

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/device/SampleImage.hpp>
+#include <pkg/rve/device/SampleMemory.hpp>
 
 namespace talik {
 
@@ -13,36 +14,18 @@ namespace {
 	constexpr double                    sparePairs    = 0.1;
 	template <int Dim> constexpr double pairsOfAGrain = Dim == 2 ? 2.25 : 2.5;
 
-	/// Rows of a place, as the kernels have them (Place in SampleKernels.hpp).
-	template <int Dim, class Byte> class Rows {
-	public:
-		Rows(const PlaceLayout& l, Byte* bytes)
-		        : layout(l)
-		        , base(bytes)
-		{}
-		auto& motion(int row, std::size_t g) const { return numbers()[std::size_t(row) * layout.grains + g]; }
-		auto& constant(int row, std::size_t g) const { return motion(layout.motionRows() + row, g); }
-		auto& pair(int row, std::size_t p) const { return numbers()[layout.grainRows() * layout.grains + std::size_t(row) * layout.pairs + p]; }
-		template <class T> auto* at(std::int32_t offset) const { return reinterpret_cast<Same<T>*>(base + offset); }
-		static constexpr int     shear = 0, shears = Dim == 2 ? 1 : 3, sumRadius = shears, stiffness = sumRadius + 1, halfDifference = stiffness + 1;
-		static constexpr int iceShear = sumRadius + Dim, offset = iceShear + shears, floor = offset + 1, cohesion = offset + 2, iceShare = offset + 3;
-		static constexpr int grainStiffness = offset + 4, area = offset + 5, uGrain = offset + 6, uIce = offset + 7;
-
-	private:
-		template <class T> using Same = std::conditional_t<std::is_const<Byte>::value, const T, T>;
-		auto*              numbers() const { return at<double>(0); }
-		const PlaceLayout& layout;
-		Byte*              base;
-	};
+	/// The rows of a place, with bonds or without: those of bonds are the last ones.
+	template <int Dim> N_ONE::Place<Dim, true> rowsOf(const PlaceLayout& l, const unsigned char* bytes)
+	{
+		return { reinterpret_cast<std::uint64_t>(bytes), l };
+	}
 
 	bool fuses(const char* path) { return std::strncmp(path, "AVX2", 4) == 0 || std::strncmp(path, "AVX3", 4) == 0; }
-
-	std::uint8_t encode(const IceBond& b) { return std::uint8_t(int(b.state) | (b.iceCut ? 4 : 0)); }
 } // namespace
 
 template <int Dim> template <class Visitor> void SampleImage<Dim>::forPairs(Visitor&& visit) const
 {
-	std::size_t p = 0;
+	int p = 0;
 	for (auto* lanes : { &workspace.innerLanes, &workspace.periodicLanes })
 		for (std::size_t lane = 0; lane < lanes->pairs; ++lane)
 			visit(p++, *lanes, lane, lanes == &workspace.periodicLanes);
@@ -88,11 +71,11 @@ template <int Dim> PlaceLayout SampleImage<Dim>::layoutOf(int grains, int pairs,
 
 template <int Dim> void SampleImage<Dim>::write(const PlaceLayout& l, std::vector<unsigned char>& bytes) const
 {
-	using In = Rows<Dim, unsigned char>;
+	using In = N_ONE::Place<Dim, true>;
 	bytes.assign(std::size_t(l.bytes), 0);
-	const In    rows(l, bytes.data());
+	const auto  rows = rowsOf<Dim>(l, bytes.data());
 	const auto& view = workspace.view;
-	for (std::size_t g = 0; g < workspace.grainCount; ++g) {
+	for (int g = 0; g < l.grains; ++g) {
 		for (int d = 0; d < Dim; ++d) {
 			rows.motion(d, g)       = view.position(g)[d];
 			rows.motion(Dim + d, g) = view.velocity(g)[d];
@@ -100,23 +83,22 @@ template <int Dim> void SampleImage<Dim>::write(const PlaceLayout& l, std::vecto
 		for (int d = 0; d < PackedLayout<Dim>::angular; ++d)
 			rows.motion(2 * Dim + d, g) = view.spin(g, d);
 		if (Dim == 2) rows.motion(5, g) = view.angle[g];
-		rows.constant(0, g) = view.minusInverseMass[g];
-		rows.constant(1, g) = view.inverseInertia[g];
-		rows.constant(2, g) = view.radius[g];
-		rows.constant(3, g) = view.inverseSlackSquare[g];
-		rows.constant(4, g) = workspace.grains->radius[g];
+		rows.motion(In::motionRows + In::minusInverseMass, g)   = view.minusInverseMass[g];
+		rows.motion(In::motionRows + In::inverseInertia, g)     = view.inverseInertia[g];
+		rows.motion(In::motionRows + In::radius, g)             = view.radius[g];
+		rows.motion(In::motionRows + In::inverseSlackSquare, g) = view.inverseSlackSquare[g];
+		rows.motion(In::motionRows + In::ownRadius, g)          = workspace.grains->radius[g];
 	}
 	const std::vector<int>                  images = imageNumbers();
 	std::vector<std::vector<std::uint16_t>> ends(workspace.grainCount);
-	auto* const                             index = rows.template at<std::uint32_t>(l.index);
-	forPairs([&](std::size_t p, const auto& lanes, std::size_t lane, bool crosses) {
+	forPairs([&](int p, const auto& lanes, std::size_t lane, bool crosses) {
 		const auto&         block = lanes.block[lane / packedWidth];
 		const std::size_t   at    = lane % packedWidth;
 		const std::uint32_t first = workspace.rowOf(block.first[at]), second = workspace.rowOf(block.second[at]);
-		index[p] = PairCode::of(first, second, crosses ? images[workspace.rowOf(lanes.shift[lane])] : -1);
+		rows.setIndex(p, PairCode::of(first, second, crosses ? images[workspace.rowOf(lanes.shift[lane])] : -1));
 		ends[first].push_back(std::uint16_t(p));
 		ends[second].push_back(std::uint16_t(p | 1u << 15));
-		for (int d = 0; d < In::shears; ++d)
+		for (int d = 0; d < In::shearRows; ++d)
 			rows.pair(In::shear + d, p) = block.shear[d][at];
 		rows.pair(In::sumRadius, p) = block.sumRadius[at];
 		rows.pair(In::stiffness, p) = block.stiffness[at];
@@ -124,29 +106,26 @@ template <int Dim> void SampleImage<Dim>::write(const PlaceLayout& l, std::vecto
 		if (!l.bonded) return;
 		const auto&    ice  = lanes.ice[lane / packedWidth];
 		const IceBond& bond = lanes.bond[lane];
-		for (int d = 0; d < In::shears; ++d)
+		for (int d = 0; d < In::shearRows; ++d)
 			rows.pair(In::iceShear + d, p) = ice.iceShear[d][at];
 		rows.pair(In::offset, p)         = ice.offset[at];
-		rows.pair(In::floor, p)          = ice.floor[at];
+		rows.pair(In::floorForce, p)     = ice.floor[at];
 		rows.pair(In::cohesion, p)       = ice.cohesion[at];
 		rows.pair(In::iceShare, p)       = ice.iceShare[at];
 		rows.pair(In::grainStiffness, p) = workspace.stiffness(lanes, lane, workspace.iceRatio).grain;
 		rows.pair(In::area, p)           = workspace.base.ice.bondArea(std::min(workspace.grains->radius[first], workspace.grains->radius[second]));
-		rows.pair(In::uGrain, p)         = bond.uGrain;
-		rows.pair(In::uIce, p)           = bond.uIce;
-		rows.template at<std::uint8_t>(l.bond)[p] = encode(bond);
+		rows.setBond(p, bond);
 	});
-	auto* const   start     = rows.template at<std::uint16_t>(l.start);
-	auto*         incidence = rows.template at<std::uint16_t>(l.incidence);
-	std::uint16_t at        = 0;
+	int at = 0;
 	for (std::size_t g = 0; g < ends.size(); ++g) {
-		start[g]  = at;
-		incidence = std::copy(ends[g].begin(), ends[g].end(), incidence);
-		at        = std::uint16_t(at + ends[g].size());
+		rows.setStart(int(g), std::uint16_t(at));
+		for (const std::uint16_t end : ends[g])
+			rows.setIncidence(at++, end);
 	}
-	start[ends.size()] = at;
+	rows.setStart(int(ends.size()), std::uint16_t(at));
 	for (std::size_t k = 0; k < images.size(); ++k)
-		std::copy_n(workspace.shiftCell.begin() + std::ptrdiff_t(k * Dim), Dim, rows.template at<std::int8_t>(l.images) + images[k] * Dim);
+		for (int d = 0; d < Dim; ++d)
+			rows.setImage(images[k] * Dim + d, workspace.shiftCell[k * Dim + std::size_t(d)]);
 }
 
 template <int Dim> SampleCall SampleImage<Dim>::call() const
@@ -186,9 +165,9 @@ void SampleImage<Dim>::take(
         const PlaceLayout& l, const std::vector<unsigned char>& bytes, const SampleCall& call, const PackedParameters<Dim>& parameters,
         std::shared_ptr<const PackedGrains> grains, const PackedListUse<Dim>& use, bool carriesBonds)
 {
-	const Rows<Dim, const unsigned char> rows(l, bytes.data());
-	PackedState<Dim>                     state;
-	PackedLists<Dim>                     lists;
+	const auto       rows = rowsOf<Dim>(l, bytes.data());
+	PackedState<Dim> state;
+	PackedLists<Dim> lists;
 	static_cast<PackedParameters<Dim>&>(state) = parameters;
 	static_cast<PackedListUse<Dim>&>(lists)    = use;
 	state.grains                               = std::move(grains);
@@ -207,7 +186,7 @@ template <int Dim> template <class Out> void SampleImage<Dim>::takeGrains(const 
 	state.angularVelocity.resize(count);
 	state.orientation.resize(Dim == 2 ? count : 0);
 	lists.slack.resize(count);
-	for (std::size_t g = 0; g < count; ++g) {
+	for (int g = 0; g < grains; ++g) {
 		for (int d = 0; d < Dim; ++d) {
 			state.position[g][d] = rows.motion(d, g);
 			state.velocity[g][d] = rows.motion(Dim + d, g);
@@ -219,7 +198,7 @@ template <int Dim> template <class Out> void SampleImage<Dim>::takeGrains(const 
 			for (int d = 0; d < 3; ++d)
 				state.angularVelocity[g][d] = rows.motion(6 + d, g);
 		}
-		lists.slack[g] = std::uint8_t(-std::ilogb(rows.constant(3, g)) / 2);
+		lists.slack[g] = std::uint8_t(-std::ilogb(rows.constant(Out::inverseSlackSquare, g)) / 2);
 	}
 }
 
@@ -239,7 +218,7 @@ void SampleImage<Dim>::takePairs(const Out& rows, const PlaceLayout& l, const Sa
 	c.iceReference.resize(bonds);
 	c.grainReference.resize(bonds);
 	c.bond.resize(bonds);
-	const auto shearOf = [&](int row, std::size_t p) {
+	const auto shearOf = [&](int row, int p) {
 		typename PackedTypes<Dim>::Shear s;
 		if constexpr (Dim == 2) s = rows.pair(row, p);
 		else
@@ -247,22 +226,22 @@ void SampleImage<Dim>::takePairs(const Out& rows, const PlaceLayout& l, const Sa
 				s[d] = rows.pair(row + d, p);
 		return s;
 	};
-	const auto* const images = rows.template at<std::int8_t>(l.images);
-	for (std::size_t p = 0; p < pairs; ++p) {
-		const std::uint32_t code = rows.template at<std::uint32_t>(l.index)[p];
+	for (int p = 0; p < call.pairs; ++p) {
+		const std::uint32_t code = rows.index(p);
 		lists.first[p]           = std::uint16_t(PairCode::first(code));
 		lists.second[p]          = std::uint16_t(PairCode::second(code));
 		if (PairCode::image(code) >= 0) {
-			std::copy_n(images + Dim * PairCode::image(code), Dim, c.cellDist[p].begin());
-			lists.cellDist[p - lists.inside] = c.cellDist[p];
+			for (int d = 0; d < Dim; ++d)
+				c.cellDist[p][d] = rows.image(Dim * PairCode::image(code) + d);
+			lists.cellDist[std::size_t(p) - lists.inside] = c.cellDist[p];
 		}
 		c.shear[p] = shearOf(Out::shear, p);
 		if (!l.bonded) continue;
-		const std::uint8_t bond = rows.template at<std::uint8_t>(l.bond)[p];
-		c.iceShear[p]           = shearOf(Out::iceShear, p);
-		c.iceReference[p]       = rows.pair(Out::uIce, p);
-		c.grainReference[p]     = rows.pair(Out::uGrain, p);
-		c.bond[p]               = c.encode({ BondState(bond & 3), (bond & 4) != 0, 0, 0 });
+		const IceBond bond  = rows.iceBond(p);
+		c.iceShear[p]       = shearOf(Out::iceShear, p);
+		c.iceReference[p]   = bond.uIce;
+		c.grainReference[p] = bond.uGrain;
+		c.bond[p]           = c.encode(bond);
 	}
 	c.first  = lists.first;
 	c.second = lists.second;
