@@ -5,7 +5,6 @@
 #include <pkg/multiscale/samples/SampleStore.hpp>
 #include <pkg/python/StepGate.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
-#include <variant>
 
 namespace py = boost::python;
 
@@ -15,107 +14,90 @@ namespace {
 	using yade::Matrix3r;
 
 	/// Many copies of one sample, each with a history of its own: what stands behind the points of a slope, without the ground.
-	template <int Dim> class GroupOf {
+	struct SampleGroup {
+		virtual ~SampleGroup() = default;
+		/// Every copy is asked once, all in turn; returns the DEM steps done.
+		virtual long        apply(const Matrix3r& displacementGradient, long steps, bool tangent, int threads) = 0;
+		virtual py::tuple   stress(std::size_t sample) const                                                   = 0;
+		virtual std::size_t size() const                                                                       = 0;
+		virtual std::size_t bytes() const                                                                      = 0;
+		virtual std::size_t distinctStates() const                                                             = 0;
+	};
+
+	/// Of discs or of spheres.
+	template <int Dim> class GroupOf final : public SampleGroup {
 	public:
 		GroupOf(const yade::RveSample& sample, std::size_t copies)
+		        : results(copies)
 		{
-			for (std::size_t k = 0; k < copies; ++k)
+			TALIK_TAKE_ATTRIBUTES(options, sample, (maxInertialNumber)(maxStrainPerStep)(minSteps)(timeStepFollowsIce))
+			for (std::size_t k = 0; k < copies; ++k) {
 				pool.add(sample.packed<Dim>());
-			options.maxInertialNumber  = sample.maxInertialNumber;
-			options.maxStrainPerStep   = sample.maxStrainPerStep;
-			options.minSteps           = sample.minSteps;
-			options.timeStepFollowsIce = sample.timeStepFollowsIce;
-			for (std::size_t k = 0; k < copies; ++k)
 				requests.push_back({ k, PackedTypes<Dim>::Matrix::Zero(), sample.iceSaturation() });
-			stresses.resize(copies, PackedTypes<Dim>::Matrix::Zero());
+			}
 		}
 
-		/// Every copy is asked once, all in turn; returns the DEM steps done.
-		long apply(const Matrix3r& displacementGradient, long steps, bool tangent, int threads)
+		long apply(const Matrix3r& displacementGradient, long steps, bool tangent, int threads) override
 		{
+			const StepGate gate; // another thread may ask while this one has let go of Python's lock
 			options.steps   = steps;
 			options.tangent = tangent;
 			for (auto& request : requests)
-				request.displacementGradient = displacementGradient.template topLeftCorner<Dim, Dim>();
-			std::vector<PackedUpdateResult<Dim>> results;
+				request.displacementGradient = partOf<Dim>(displacementGradient);
 			Py_BEGIN_ALLOW_THREADS;
 			results = pool.update(requests, options, threads);
 			Py_END_ALLOW_THREADS;
 			long done = 0;
-			for (std::size_t k = 0; k < results.size(); ++k) {
-				if (results[k].blewUp) throw std::runtime_error("SampleGroup.apply: a sample blew up: " + results[k].reason);
-				stresses[k] = results[k].stress;
-				done += results[k].steps;
+			for (const auto& result : results) {
+				if (result.blewUp) throw std::runtime_error("SampleGroup.apply: a sample blew up: " + result.reason);
+				done += result.steps;
 			}
 			return done;
 		}
 
-		std::vector<double>    stress(std::size_t sample) const { return components<Dim>(stresses.at(sample)); }
-		const SamplePool<Dim>& samples() const { return pool; }
-
-	private:
-		SamplePool<Dim>                                pool;
-		PackedUpdateOptions                            options;
-		std::vector<PackedRequest<Dim>>                requests;
-		std::vector<typename PackedTypes<Dim>::Matrix> stresses; ///< of the last call [Pa]
-	};
-
-	/// Such a group of discs or of spheres.
-	class SampleGroup {
-		std::variant<std::unique_ptr<GroupOf<2>>, std::unique_ptr<GroupOf<3>>> group;
-
-		template <class Visitor> decltype(auto) with(Visitor&& visitor) const
-		{
-			return std::visit([&](const auto& one) { return visitor(*one); }, group);
-		}
-
-	public:
-		SampleGroup(const yade::RveSample& sample, std::size_t copies)
-		{
-			if (sample.dimension() == 2) group = std::make_unique<GroupOf<2>>(sample, copies);
-			else group = std::make_unique<GroupOf<3>>(sample, copies);
-		}
-
-		long apply(const Matrix3r& displacementGradient, long steps, bool tangent, int threads)
-		{
-			const StepGate gate; // another thread may ask while this one has let go of Python's lock
-			return with([&](auto& all) { return all.apply(displacementGradient, steps, tangent, threads); });
-		}
-
-		py::tuple stress(std::size_t sample) const
+		py::tuple stress(std::size_t sample) const override
 		{
 			const StepGate gate;
 			py::list       list;
-			for (const double component : with([&](auto& all) { return all.stress(sample); }))
+			for (const double component : components<Dim>(results.at(sample).stress))
 				list.append(component);
 			return py::tuple(list);
 		}
+		std::size_t size() const override { return pool.size(); }
+		std::size_t bytes() const override
+		{
+			const StepGate gate;
+			return pool.bytes();
+		}
+		std::size_t distinctStates() const override
+		{
+			const StepGate gate;
+			return pool.distinctStates();
+		}
 
-		std::size_t size() const
-		{
-			return with([](auto& all) { return all.samples().size(); });
-		}
-		std::size_t bytes() const
-		{
-			const StepGate gate;
-			return with([](auto& all) { return all.samples().bytes(); });
-		}
-		std::size_t distinctStates() const
-		{
-			const StepGate gate;
-			return with([](auto& all) { return all.samples().distinctStates(); });
-		}
+	private:
+		SamplePool<Dim>                      pool;
+		PackedUpdateOptions                  options;
+		std::vector<PackedRequest<Dim>>      requests;
+		std::vector<PackedUpdateResult<Dim>> results; ///< of the last call
 	};
+
+	std::shared_ptr<SampleGroup> make(const yade::RveSample& sample, std::size_t copies)
+	{
+		if (sample.dimension() == 2) return std::make_shared<GroupOf<2>>(sample, copies);
+		return std::make_shared<GroupOf<3>>(sample, copies);
+	}
 
 } // namespace
 
 void exposeSampleGroup()
 {
-	py::class_<SampleGroup, boost::noncopyable>(
+	py::class_<SampleGroup, std::shared_ptr<SampleGroup>, boost::noncopyable>(
 	        "SampleGroup",
 	        "Many copies of an RveSample, each with a history of its own: what stands behind the points of a slope, without the ground. "
 	        "SampleGroup(sample, copies).",
-	        py::init<const yade::RveSample&, std::size_t>((py::arg("sample"), py::arg("copies"))))
+	        py::no_init)
+	        .def("__init__", py::make_constructor(make, py::default_call_policies(), (py::arg("sample"), py::arg("copies"))))
 	        .def("apply", &SampleGroup::apply, (py::arg("displacementGradient"), py::arg("steps") = 0, py::arg("tangent") = false, py::arg("threads") = 1),
 	             "Apply the same displacement gradient (3x3; of discs the in-plane part) to each, one after the other, at constant ice saturation. "
 	             "steps: moving DEM steps, 0: as the limits of the sample say. Returns the number of all DEM steps. RuntimeError on blow-up.")

@@ -288,6 +288,18 @@ BOOST_PYTHON_MODULE(_talik)
 	py::def("readScene", readScene, (py::arg("content"), py::arg("xml")),
 	        "The Scene in the bytes of a file of O.save, unpacked; O is left alone, and no label is made a name.");
 	py::def(
+	        "checkpointLayouts",
+	        +[] {
+		        py::dict layouts;
+		        for (const auto& [name, layout] : checkpointLayouts())
+			        layouts[name] = layout;
+		        return layouts;
+	        },
+	        "Digests of the attributes of our classes, by their names.");
+	py::def("checksumOfFile", checksumOfFile, (py::arg("file"), py::arg("from"), py::arg("bytes")),
+	        "Checksum of a part of a file, as checkpoints have it.");
+	py::def("readCheckpoint", readCheckpoint, (py::arg("file"), py::arg("parts")), "The Scene in a checkpoint that is whole, see talik._checkpointfile.");
+	py::def(
 	        "setSceneFile", +[](const std::string& file) { Omega::instance().sceneFile = file; }, py::arg("file"),
 	        "The name of the file that O.reload reads, as O.save and O.load set it.");
 	py::def("emptyScene", emptyScene, "A new Scene without bodies and engines, not yet the current one.");

@@ -373,3 +373,23 @@ def samples(mpm):
 		f"RveSkeleton: samples begin with a vertical stress of {-np.median(found):.4g} Pa (median) where the weight above their points makes "
 		f"{-np.median(due):.4g} Pa: ground bursts or falls together as it thaws; talik.slope.settle(mpm, outline) brings them to it."
 	]
+
+
+# ---- in a run --------------------------------------------------------------------------------------------------------------
+
+
+def lensThatParts(mpm):
+	"""A lens grows along the gradient of temperature and draws its points apart in that direction. Farther apart than a cell is wide they leave cells
+	between them without points. What is to be said of the first such point; empty if there is none."""
+	ice, volume = mpm.field("segregatedVolume"), mpm.field("volume")
+	soil = volume - ice
+	with np.errstate(invalid="ignore", divide="ignore"):
+		length = soil ** (1 / mpm.dimension) * volume / soil
+	parted = np.flatnonzero((ice > 0.25 * soil) & (soil > 0) & (length > 1.25 * mpm.gridSpacing))  # one of five cells has no point then
+	for point in parted[:1]:
+		return (
+			f"Talik warns: on day {mpm.calendar['day']:.3g} the ice lens in point {point} is {ice[point] / soil[point]:.3g} times as thick as its soil "
+			f"and makes it {length[point]:.3g} m long, with cells of {mpm.gridSpacing:.3g} m: cells beside it have no points, and from then on up to a fifth "
+			"too little ice forms. Take an MpmEngine.gridSpacing larger than the lens grows, or only the days before."
+		)
+	return ""

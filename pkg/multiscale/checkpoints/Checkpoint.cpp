@@ -28,8 +28,6 @@ namespace {
 	constexpr std::size_t headerLength  = 4096;
 	const char            firstLine[]   = "Talik checkpoint";
 
-	[[noreturn]] void refuse(const std::string& file, const std::string& why) { throw std::invalid_argument("checkpoint '" + file + "' " + why); }
-
 	/// A step that has only begun is written as not begun; in a periodic scene the cell has moved already, there it stays begun.
 	/// The measured speed of the run is left out: equal states give equal files.
 	class BetweenSteps {
@@ -84,19 +82,22 @@ namespace {
 		return hexadecimal(digest.checksum()).substr(8);
 	}
 
-	const std::map<std::string, std::string>& classLayouts()
-	{
-		static const std::map<std::string, std::string> layouts = [] {
-			std::map<std::string, std::string> found;
-			for (const auto& name : checkpointClasses()) {
-				const std::string layout = layoutOf(name);
-				if (!layout.empty()) found[name] = layout;
-			}
-			return found;
-		}();
-		return layouts;
-	}
+} // namespace
 
+const std::map<std::string, std::string>& checkpointLayouts()
+{
+	static const std::map<std::string, std::string> layouts = [] {
+		std::map<std::string, std::string> found;
+		for (const auto& name : checkpointClasses()) {
+			const std::string layout = layoutOf(name);
+			if (!layout.empty()) found[name] = layout;
+		}
+		return found;
+	}();
+	return layouts;
+}
+
+namespace {
 	// ---- header ---------------------------------------------------------------------------------------------------------
 
 	std::string now()
@@ -109,106 +110,18 @@ namespace {
 		return text;
 	}
 
-	std::string toText(const CheckpointHeader& h)
+	/// First part of a checkpoint, plain text of fixed length: what follows, how many bytes, and after how many of them, the archive of the scene, parts
+	/// begin, see CheckpointParts. talik._checkpointfile reads it.
+	std::string headerOf(const Scene& scene, std::uint64_t bytes, std::uint64_t parts, std::uint64_t checksum)
 	{
 		std::ostringstream text;
-		text << firstLine << "\nformat " << h.format << "\nwritten " << h.written << "\nstep " << h.step << "\ntime " << std::setprecision(17) << h.time
-		     << "\nbytes " << h.bytes << "\nparts " << h.parts << "\nchecksum " << hexadecimal(h.checksum) << "\n";
-		for (const auto& [name, layout] : h.classes)
+		text << firstLine << "\nformat " << currentFormat << "\nwritten " << now() << "\nstep " << scene.iter << "\ntime " << std::setprecision(17)
+		     << scene.time << "\nbytes " << bytes << "\nparts " << parts << "\nchecksum " << hexadecimal(checksum) << "\n";
+		for (const auto& [name, layout] : checkpointLayouts())
 			text << "class " << name << " " << layout << "\n";
 		text << "end\n";
 		if (text.str().size() > headerLength) throw std::logic_error("the header of a checkpoint is too short for its classes");
 		return text.str();
-	}
-
-	CheckpointHeader readHeader(const std::string& file, std::istream& stream)
-	{
-		std::string text(headerLength, '\0');
-		stream.read(&text[0], headerLength);
-		const bool ours = text.compare(0, std::strlen(firstLine), firstLine) == 0;
-		if (!ours) refuse(file, "is not a checkpoint: give a file that talik.checkpoint wrote; other scenes are loaded by O.load");
-		if (std::size_t(stream.gcount()) < headerLength) refuse(file, "is truncated: take an earlier one");
-		CheckpointHeader   h;
-		std::istringstream lines(text.substr(std::strlen(firstLine)));
-		std::string        key;
-		while (lines >> key && key != "end") {
-			if (key == "format") lines >> h.format;
-			else if (key == "step") lines >> h.step;
-			else if (key == "time") lines >> h.time;
-			else if (key == "bytes") lines >> h.bytes;
-			else if (key == "parts") lines >> h.parts;
-			else if (key == "checksum") lines >> std::hex >> h.checksum >> std::dec;
-			else if (key == "written") std::getline(lines >> std::ws, h.written);
-			else if (key == "class") {
-				std::string name, layout;
-				lines >> name >> layout;
-				h.classes[name] = layout;
-			}
-		}
-		if (h.format != currentFormat)
-			refuse(file,
-			       "has format " + std::to_string(h.format) + ", written " + h.written + "; this Talik reads format "
-			               + std::to_string(currentFormat) + ": resume it with the version that wrote it");
-		if (key != "end") refuse(file, "is damaged in its first lines: take an earlier one");
-		return h;
-	}
-
-	// ---- reading --------------------------------------------------------------------------------------------------------
-
-	/// Reads what follows the header, piece by piece.
-	template <class Piece> void overScene(std::istream& stream, std::uint64_t bytes, Piece&& piece)
-	{
-		std::vector<char> buffer(std::size_t(1) << 20);
-		while (bytes > 0 && stream) {
-			stream.read(buffer.data(), std::streamsize(std::min<std::uint64_t>(buffer.size(), bytes)));
-			piece(buffer.data(), std::size_t(stream.gcount()));
-			bytes -= std::uint64_t(stream.gcount());
-		}
-	}
-
-	void requireWhole(const std::string& file, const CheckpointHeader& h, std::istream& stream)
-	{
-		const std::uint64_t length = std::filesystem::file_size(file);
-		if (length < headerLength + h.bytes)
-			refuse(file,
-			       "is truncated, " + std::to_string(length) + " of " + std::to_string(headerLength + h.bytes)
-			               + " bytes are there: take an earlier one");
-		if (length > headerLength + h.bytes) refuse(file, "is longer than what was written: take an earlier one");
-		Checksum checksum;
-		overScene(stream, h.bytes, [&](const char* data, std::size_t count) { checksum.process_bytes(data, count); });
-		if (checksum.checksum() != h.checksum) refuse(file, "is damaged, its checksum does not fit: take an earlier one");
-	}
-
-	/// Classes of the checkpoint that have other attributes here. Archives name the classes of what they hold.
-	std::string changedClasses(const CheckpointHeader& h, std::istream& stream)
-	{
-		std::vector<std::pair<std::string, bool>> changed;
-		for (const auto& [name, layout] : h.classes) {
-			const auto here = classLayouts().find(name);
-			if (here == classLayouts().end() || here->second != layout) changed.push_back({ name, false });
-		}
-		if (changed.empty()) return "";
-		std::string tail; // a name may lie across two pieces
-		overScene(stream, h.parts, [&](const char* data, std::size_t count) {
-			tail.append(data, count);
-			for (auto& [name, held] : changed)
-				held = held || tail.find("yade::" + name) != std::string::npos;
-			tail.erase(0, tail.size() > 256 ? tail.size() - 256 : 0);
-		});
-		std::string names;
-		for (const auto& [name, held] : changed)
-			if (held) names += (names.empty() ? "" : ", ") + name;
-		return names;
-	}
-
-	std::ifstream openFile(const std::string& file)
-	{
-		std::error_code error;
-		if (!std::filesystem::exists(file, error)) refuse(file, "does not exist: give a file that talik.checkpoint wrote");
-		if (!std::filesystem::is_regular_file(file, error)) refuse(file, "is not a file: give one that talik.checkpoint wrote");
-		std::ifstream stream(file, std::ios::binary);
-		if (!stream) refuse(file, std::string("cannot be read (") + std::strerror(errno) + "): give a file of yours");
-		return stream;
 	}
 
 } // namespace
@@ -220,20 +133,18 @@ std::vector<std::string>& checkpointClasses()
 }
 
 namespace {
-	/// Behind the archive, by each rank what it has. Returns the checksum of the whole.
-	std::uint64_t writeParts(AtomicFile& file, const CheckpointParts& parts, CheckpointHeader& h)
+	/// Behind the archive, by each rank what it has, after so many bytes of the whole. Returns the checksum of the whole.
+	std::uint64_t writeParts(AtomicFile& file, const CheckpointParts& parts, std::uint64_t begin)
 	{
-		constexpr std::uint64_t page = 4096;
-		h.parts                      = (file.bytes() + page - 1) / page * page;
-		h.bytes                      = h.parts + parts.bytes();
-		file.extend(h.bytes);
+		const std::uint64_t whole = begin + parts.bytes();
+		file.extend(whole);
 		PartSum sum;
 		try {
-			sum.add(parts.write({ file.path(), headerLength + h.parts, headerLength + h.bytes }));
+			sum.add(parts.write({ file.path(), headerLength + begin, headerLength + whole }));
 		} catch (const std::runtime_error& problem) {
 			file.fail(problem.what());
 		}
-		return sum.checksum(file.checksum(), h.bytes - file.bytes());
+		return sum.checksum(file.checksum(), whole - file.bytes());
 	}
 } // namespace
 
@@ -251,14 +162,10 @@ void writeCheckpoint(const std::string& file, const boost::shared_ptr<Scene>& sc
 		beside.fail(beside.problem() ? std::strerror(beside.problem()) : problem.what());
 	}
 	if (!beside.flush()) beside.fail(std::strerror(beside.problem()));
-	CheckpointHeader h;
-	h.checksum = writeParts(beside, parts, h);
-	h.format   = currentFormat;
-	h.step     = scene->iter;
-	h.time     = scene->time;
-	h.written  = now();
-	h.classes  = classLayouts();
-	beside.commit(toText(h));
+	constexpr std::uint64_t page     = 4096;
+	const std::uint64_t     begin    = (beside.bytes() + page - 1) / page * page;
+	const std::uint64_t     checksum = writeParts(beside, parts, begin);
+	beside.commit(headerOf(*scene, begin + parts.bytes(), begin, checksum));
 }
 
 void requireWritable(const std::string& file)
@@ -275,26 +182,25 @@ void requireWritable(const std::string& file)
 	}
 }
 
-CheckpointHeader inspectCheckpoint(const std::string& file)
+std::uint64_t checksumOfFile(const std::string& file, std::uint64_t from, std::uint64_t bytes)
 {
-	std::ifstream          stream = openFile(file);
-	const CheckpointHeader h      = readHeader(file, stream);
-	requireWhole(file, h, stream);
-	return h;
+	std::ifstream     stream(file, std::ios::binary);
+	std::vector<char> buffer(std::size_t(1) << 20);
+	Checksum          checksum;
+	stream.seekg(std::streamoff(from));
+	while (bytes > 0 && stream) {
+		stream.read(buffer.data(), std::streamsize(std::min<std::uint64_t>(buffer.size(), bytes)));
+		checksum.process_bytes(buffer.data(), std::size_t(stream.gcount()));
+		bytes -= std::uint64_t(stream.gcount());
+	}
+	return checksum.checksum();
 }
 
-boost::shared_ptr<Scene> readCheckpoint(const std::string& file)
+boost::shared_ptr<Scene> readCheckpoint(const std::string& file, std::uint64_t begin)
 {
-	const CheckpointHeader h      = inspectCheckpoint(file);
-	std::ifstream          stream = openFile(file);
+	std::ifstream stream(file, std::ios::binary);
 	stream.seekg(headerLength);
-	const std::string changed = changedClasses(h, stream);
-	if (!changed.empty())
-		refuse(file,
-		       "was written " + h.written + " by a Talik in which " + changed + " had other attributes: resume it with that version, or start anew");
-	stream.clear();
-	stream.seekg(headerLength);
-	const CheckpointParts::Source  parts { std::make_shared<PartedFile>(file, PartedFile::For::reading), headerLength + h.parts };
+	const CheckpointParts::Source  parts { std::make_shared<PartedFile>(file, PartedFile::For::reading), headerLength + begin };
 	const CheckpointParts::Reading large(parts);
 	try {
 		boost::archive::binary_iarchive archive(stream);
@@ -302,7 +208,8 @@ boost::shared_ptr<Scene> readCheckpoint(const std::string& file)
 		archive >> boost::serialization::make_nvp("scene", scene);
 		return scene;
 	} catch (const boost::archive::archive_exception& problem) {
-		refuse(file, std::string("cannot be read (") + problem.what() + "): resume it with the YADE and the plugins that wrote it");
+		throw std::invalid_argument(
+		        "checkpoint '" + file + "' cannot be read (" + problem.what() + "): resume it with the YADE and the plugins that wrote it");
 	}
 }
 
@@ -381,18 +288,7 @@ void Checkpoint::write(const string& file)
 	talik::writeCheckpoint(file, Omega::instance().getScene());
 }
 
-shared_ptr<Scene> Checkpoint::read(const string& file) { return talik::readCheckpoint(file); }
-
-py::dict Checkpoint::describe(const string& file)
-{
-	const auto header = talik::inspectCheckpoint(file);
-	py::dict   d;
-	d["format"]  = header.format;
-	d["written"] = header.written;
-	d["step"]    = header.step;
-	d["time"]    = header.time;
-	d["bytes"]   = header.bytes;
-	return d;
-}
+py::object Checkpoint::read(const string& file) { return py::import("talik._checkpointfile").attr("read")(file); }
+py::object Checkpoint::describe(const string& file) { return py::import("talik._checkpointfile").attr("describe")(file); }
 
 } // namespace yade

@@ -11,20 +11,10 @@
 
 namespace talik {
 
-/// First part of a checkpoint, plain text of fixed length; the scene follows in YADE's binary archive, and then what is too large for that.
-struct CheckpointHeader {
-	int                                format   = 0;
-	std::uint64_t                      bytes    = 0; ///< that follow
-	std::uint64_t                      parts    = 0; ///< after so many of them, the archive of the scene, parts begin, see CheckpointParts
-	std::uint64_t                      checksum = 0; ///< CRC-64 of these bytes
-	long                               step     = 0; ///< steps done
-	double                             time     = 0; ///< of the scene [s]
-	std::string                        written;      ///< date, UTC
-	std::map<std::string, std::string> classes;      ///< digest of each class's attributes
-};
-
 /// Names of the classes whose attributes a checkpoint depends on beside those of stock YADE; set when they are registered.
 std::vector<std::string>& checkpointClasses();
+/// Digest of the attributes of each of them.
+const std::map<std::string, std::string>& checkpointLayouts();
 
 /// Writes a scene beside `file` and renames it when it is on the disk whole: whatever happens, `file` is the former checkpoint or the
 /// new one. A missing folder is made. Throws std::runtime_error that names file and cause; nothing is left of a failed attempt.
@@ -33,13 +23,11 @@ void writeCheckpoint(const std::string& file, const boost::shared_ptr<yade::Scen
 /// Throws std::invalid_argument naming the file and what may be done when a checkpoint cannot be written there.
 void requireWritable(const std::string& file);
 
-/// Header of a checkpoint that is whole. Throws std::invalid_argument for a missing, foreign, truncated or damaged file and for one of
-/// another format.
-CheckpointHeader inspectCheckpoint(const std::string& file);
+/// Checksum of a part of a file.
+std::uint64_t checksumOfFile(const std::string& file, std::uint64_t from, std::uint64_t bytes);
 
-/// The scene of a checkpoint; a written by an older version is read if the classes it holds have kept their attributes, else refused
-/// by naming them. Throws as inspectCheckpoint().
-boost::shared_ptr<yade::Scene> readCheckpoint(const std::string& file);
+/// The scene of a checkpoint that talik._checkpointfile has found whole; its parts begin after so many bytes of what follows the header.
+boost::shared_ptr<yade::Scene> readCheckpoint(const std::string& file, std::uint64_t parts);
 
 } // namespace talik
 
@@ -51,9 +39,9 @@ public:
 	virtual ~Checkpoint() {};
 	void action() override;
 
-	static void                  write(const string& file);
-	static shared_ptr<Scene>     read(const string& file);
-	static ::boost::python::dict describe(const string& file);
+	static void                    write(const string& file);
+	static ::boost::python::object read(const string& file);
+	static ::boost::python::object describe(const string& file);
 
 private:
 	using Clock = std::chrono::steady_clock;

@@ -384,29 +384,6 @@ void MpmEngine::warnOfCalendar()
 
 namespace {
 	const string lenses = "lenses"; // of what is said, for all of them
-
-	/// A lens grows along the gradient of temperature and draws its points apart in that direction. Farther apart than a cell is wide they leave
-	/// cells between them without points. What is to be said of the first such point; nothing if there is none.
-	string lensThatParts(const talik::AnyGround& ground, std::size_t points, Real gridSpacing)
-	{
-		constexpr Real      farthest = 1.25; // cells: one of five has no point then
-		std::vector<double> ice(points), volume(points);
-		ground.copyById("segregatedVolume", 0, ice.data());
-		ground.copyById("volume", 0, volume.data());
-		for (std::size_t id = 0; id < points; ++id) {
-			const Real soil = volume[id] - ice[id];
-			if (!(ice[id] > 0.25 * soil) || !(soil > 0)) continue;
-			const Real length = std::pow(soil, 1.0 / ground.dimension()) * volume[id] / soil;
-			if (!(length > farthest * gridSpacing)) continue;
-			std::ostringstream text;
-			text << std::setprecision(3) << "Talik warns: on day " << ground.calendar().time / secondsPerDay << " the ice lens in point " << id
-			     << " is " << ice[id] / soil << " times as thick as its soil and makes it " << length << " m long, with cells of " << gridSpacing
-			     << " m: cells beside it have no points, and from then on up to a fifth too little ice forms. Take an "
-			        "MpmEngine.gridSpacing larger than the lens grows, or only the days before.";
-			return text.str();
-		}
-		return "";
-	}
 } // namespace
 
 // ---- the step --------------------------------------------------------------------------------------------------------------
@@ -574,7 +551,8 @@ void MpmEngine::stepGround()
 	compareRanks();
 	// once in a run; slabs would hand each other their points for it, and look more seldom
 	if (segregation && newLimit && !said.count(lenses) && (!ground->inSlabs() || ground->steps() % 1000 == 0)) {
-		const string sentence = lensThatParts(*ground, pointCount(), gridSpacing);
+		const talik::PythonLock held;
+		const string            sentence = py::extract<string>(talik::callPython("talik.plausibility", "lensThatParts", py::ptr(this)));
 		if (!sentence.empty()) said.insert(lenses);
 		if (!sentence.empty()) say(sentence);
 	}
