@@ -31,7 +31,7 @@ public:
 	virtual void initialise()        = 0;
 	virtual bool initialised() const = 0;
 
-	/// Settings without direction. What may change while the ground runs: resting and the fractions of the time step.
+	/// Settings without direction. What may change while the ground runs: the fractions of the time step.
 	virtual SettingsOfAnyDimension&       commonSettings()       = 0;
 	virtual const SettingsOfAnyDimension& commonSettings() const = 0;
 	/// nullptr if the ground is rigid. localDamping and picTime may change while the ground runs.
@@ -51,11 +51,6 @@ public:
 	/// Wall time spent since the start by effect [s]: name and seconds of every effect that the scene has, in a fixed order. Passes
 	/// that serve several effects are shared out by samples; the whole costs less than a hundredth of a step.
 	virtual std::vector<std::pair<std::string, double>> cost() const = 0;
-
-	/// True if heat had nothing to do in the last step and rested.
-	virtual bool heatRests() const = 0;
-	/// True if no water moved through the skeleton in the last step, so that nothing seeped.
-	virtual bool waterRests() const = 0;
 
 	// ---- time --------------------------------------------------------------------------------------------------------------
 	virtual double time() const  = 0; ///< [s]

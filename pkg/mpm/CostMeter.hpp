@@ -109,29 +109,8 @@ public:
 			seconds_[e] += pass * sums_[e] / all;
 	}
 
-	double             seconds(Entry e) const { return seconds_[e]; }
-	double             secondsOfSkeleton(int k) const { return skeletons_[k]; }
-	static const char* nameOf(Entry e)
-	{
-		static constexpr const char* names[entries] = { "sorting",
-			                                        "motion",
-			                                        "transfer",
-			                                        "thaw front",
-			                                        "bodies",
-			                                        "cell averages",
-			                                        "heat",
-			                                        "freezing",
-			                                        "water",
-			                                        "conduction and pore pressure",
-			                                        "free surface",
-			                                        "boundaries",
-			                                        "thaw strain",
-			                                        "ice segregation",
-			                                        "energy ledger",
-			                                        "calendar",
-			                                        "time step limits" };
-		return names[e];
-	}
+	double seconds(Entry e) const { return seconds_[e]; }
+	double secondsOfSkeleton(int k) const { return skeletons_[k]; }
 
 private:
 	double sinceLast()

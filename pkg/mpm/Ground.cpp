@@ -35,8 +35,6 @@ template <int D> void Ground<D>::step(double dt)
 }
 
 template <int D> double Ground<D>::time() const { return parts_->clock.time; }
-template <int D> bool   Ground<D>::heatRests() const { return parts_->heatRests; }
-template <int D> bool   Ground<D>::waterRests() const { return parts_->waterRests; }
 template <int D> long   Ground<D>::steps() const { return parts_->clock.steps; }
 template <int D> double Ground<D>::dt() const { return parts_->clock.dt; }
 
@@ -157,7 +155,6 @@ template <int D> void Ground<D>::setThermalState(int id, double temperature, dou
 	g.ranks.bringPoints();
 	const int p = g.points->place(id);
 	if (!g.content) throw std::logic_error("setThermalState: the scene has neither heat nor water");
-	g.contentSettled = false;
 	g.content->fill(p, g.content->porosity[p], temperature, pressure, g.fillOf(id), g.contentOf());
 	if (g.content->update(p, p + 1, g.contentOf()) != p + 1)
 		throw std::invalid_argument(whereabouts(*g.points, p, g.clock.steps) + " cannot exist: " + g.whyImpossible(p));
@@ -203,8 +200,7 @@ template <int D> std::vector<StateArray> Ground<D>::commonState()
 
 template <int D> void Ground<D>::stateRestored()
 {
-	Parts& g         = *parts_;
-	g.contentSettled = false;
+	Parts& g = *parts_;
 	if (g.ranks) g.ranks.slabs()->weigh({});
 	g.points->idsRestored();
 	g.afterReordering();
@@ -233,33 +229,15 @@ template <int D> void Ground<D>::readPoints(const PartedFile& file, std::uint64_
 
 // ---- balance ------------------------------------------------------------------------------------------------------------
 
-namespace {
-	template <int D> void fillAccounts(Balance<D>& b, const RunAccount<D>& of)
-	{
-		for (int a = 0; a < D; ++a)
-			b.impulse[a] = of.impulse[a] - of.momentumOut[a];
-		b.dragDissipation    = of.dragDissipation;
-		b.dampingDissipation = of.dampingDissipation;
-		b.loadWork           = of.loadWork;
-		b.slipWork           = of.slipWork;
-		b.wallWork           = of.wallWork;
-		b.skeletonWork       = of.skeletonWork;
-		b.porePressureWork   = of.porePressureWork;
-		b.workAhead          = of.workAhead;
-		b.heatIn             = of.heatIn;
-		b.segregationWork    = of.segregationWork;
-		b.waterDrawn         = of.waterDrawn;
-		b.waterOut           = of.waterOut;
-		b.enthalpyOut        = of.enthalpyOut;
-	}
-} // namespace
-
 template <int D> Balance<D> Ground<D>::balance() const
 {
 	const Parts& g = *parts_;
 	if (!g.ready) throw std::logic_error("balance: the ground is not initialised");
 	g.ranks.bringPoints();
 	Balance<D> b;
+	static_cast<StepAccount<D>&>(b) = g.clock.account;
+	for (int a = 0; a < D; ++a)
+		b.impulse[a] -= b.momentumOut[a];
 	b.time      = g.clock.time;
 	const int n = g.points->count();
 	for (int p = 0; p < n; ++p) {
@@ -284,7 +262,6 @@ template <int D> Balance<D> Ground<D>::balance() const
 		}
 		if (g.heat) b.enthalpy += g.heat->enthalpy[p];
 	}
-	fillAccounts(b, g.clock.account);
 	return b;
 }
 

@@ -28,7 +28,7 @@ public:
 
 	int dimension() const override { return D; }
 
-	/// To be changed before initialise() only, except gravity, localDamping, flip fractions, time step fractions and resting.
+	/// To be changed before initialise() only, except gravity, localDamping, flip fractions, time step fractions.
 	GroundSettings<D>&            settings();
 	const GroundSettings<D>&      settings() const;
 	SettingsOfAnyDimension&       commonSettings() override { return settings(); }
@@ -60,8 +60,6 @@ public:
 	Balance<D> balance() const;
 
 	std::vector<std::pair<std::string, double>> cost() const override;
-	bool                                        heatRests() const override;
-	bool                                        waterRests() const override;
 
 	// ---- time --------------------------------------------------------------------------------------------------------------
 	double                          time() const override;

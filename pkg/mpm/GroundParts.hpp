@@ -62,16 +62,16 @@ template <class T> using EffectPart = std::unique_ptr<T>;
 
 /// Numbers that change from step to step, kept together so that a checkpoint holds them all.
 template <int D> struct Clock {
-	double        time = 0.0;
-	double        dt   = 0.0;
-	CalendarState calendar;
-	long          steps       = 0;
-	long          lastSort    = 0;
-	long          sortWanted  = 0;
-	long          halfDone    = 0; ///< points have moved and the step has not ended
-	double        initialMass = 0.0;
-	RunAccount<D> account; ///< of the run; one for all effects
-	ActiveRange   range;
+	double         time = 0.0;
+	double         dt   = 0.0;
+	CalendarState  calendar;
+	long           steps       = 0;
+	long           lastSort    = 0;
+	long           sortWanted  = 0;
+	long           halfDone    = 0; ///< points have moved and the step has not ended
+	double         initialMass = 0.0;
+	StepAccount<D> account; ///< of the run; one for all effects
+	ActiveRange    range;
 };
 
 /// The points that a scene gives to a ground.
@@ -126,10 +126,7 @@ template <int D> struct Ground<D>::Parts {
 	mutable PagedArray<double> scratch;
 	mutable CostMeter          cost;
 	PointPasses<D>             passes;
-	bool                       fillsCells     = false; ///< points have more than half of the volume of a cell
-	bool                       heatRests      = false; ///< in this step
-	bool                       waterRests     = false; ///< in this step no water moved through the skeleton
-	bool                       contentSettled = false; ///< the content of resting rigid ground was updated and stayed as it was
+	bool                       fillsCells = false; ///< points have more than half of the volume of a cell
 
 	// ---- setting up -----------------------------------------------------------------------------------------------------
 	void             declareFields();
@@ -140,17 +137,11 @@ template <int D> struct Ground<D>::Parts {
 	void             listReadArrays();
 	void             fillPoints();
 	void             beginSkeletons();
-	/// Changes the stress of the points by as little as it takes for the ground to rest.
-	void   balanceStart();
-	void   requireBalancedStress(const std::vector<double>& vertical) const;
-	void   findForcesAtRest();
-	void   findStrains(const NodeField<D>& displacement, std::array<std::vector<double>, stressSize<D>>& strain);
-	void   findReactions(const std::array<std::vector<double>, stressSize<D>>& stress, NodeField<D>& force);
-	double initialMass() const;
-	void   fillPoint(int place, const PointInput<D>& in, double poreFill);
-	void   shareRecords();
-	void   checkFreeSurface();
-	double fillOf(int id) const { return given.fill.empty() ? settings.usedPoreFill() : given.fill[id]; }
+	double           initialMass() const;
+	void             fillPoint(int place, const PointInput<D>& in, double poreFill);
+	void             shareRecords();
+	void             checkFreeSurface();
+	double           fillOf(int id) const { return given.fill.empty() ? settings.usedPoreFill() : given.fill[id]; }
 	/// True if a boundary acts where the ground faces bodies.
 	bool facesBodies() const;
 	bool hasContent() const { return settings.heat || settings.water; }
@@ -217,8 +208,7 @@ template <int D> struct Ground<D>::Parts {
 	/// Velocities of moving walls in this step. Throws, with the ground as it was before the step, if one leaves its nodes.
 	void moveWalls();
 	void findKeptFractions();
-	bool heatMayRest();
-	void settleHeat();
+	void setReferenceOfHeat();
 	void sort();
 	void afterReordering(bool pointsMoved = false);
 
@@ -275,8 +265,6 @@ template <int D> struct Ground<D>::Parts {
 	// ---- what holds in a step -------------------------------------------------------------------------------------------
 	/// Calendar time at the end of the step.
 	double calendarEnd() const { return clock.calendar.time + clock.calendar.scale * clock.dt; }
-	bool   allRests() const { return heatRests && !motion; }
-	bool   conducts() const { return heat && !heatRests; }
 	bool   weighs() const { return lengthOf<D>(motion->settings->gravity) > 0.0; }
 	bool   booksEnergy() const { return motion && settings.energyLedger; }
 	/// Cells with the water that they exchange; null: water does not move by cells.
@@ -287,7 +275,6 @@ template <int D> struct Ground<D>::Parts {
 	double startShare() const { return implicit ? 0.0 : cellPressure() ? 0.5 : 1.0; }
 	double signalSpeed(int place, double modulus) const;
 	double advectionStep(int place) const;
-	bool   pays(CostMeter::Entry entry) const;
 
 	StepTime             stepTime() const { return { clock.dt, clock.calendar.scale * clock.dt }; }
 	double               largestModulus() const;

@@ -183,9 +183,6 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		        !(s.heat->smoothingTime <= 0.0), "HeatTransfer.smoothingTime", s.heat->smoothingTime,
 		        "must be positive, in s; infinity: none, NaN: chosen");
 		requireSetting(std::isfinite(s.heat->source), "HeatTransfer.source", s.heat->source, "must be finite, in W/m^3");
-		if (s.heat->enthalpyForm == EnthalpyForm::capacityIntegral && s.motion)
-			throw std::invalid_argument(
-			        "HeatTransfer.enthalpyForm = capacityIntegral: knows no strain and no moving water; use stateFunction in a scene with motion");
 	}
 	if (s.water) {
 		s.water->state.validate();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/base/ParameterList.hpp>
+#include <pkg/mpm/Balance.hpp>
 #include <pkg/mpm/boundary/Boundary.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
@@ -52,8 +53,6 @@ struct MotionOfAnyDimension {
 	bool   bBar         = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
 	/// B-bar leaves the mean stress of a cell the gradient that the weight of the ground gives it.
 	bool bBarWeight = false;
-	/// At the start stress changes by the least with which the ground, as it is made of points and nodes, rests.
-	bool balanceStart = false;
 };
 
 /// The effect that lets the ground move. Without it the ground is rigid and only heat limits the time step.
@@ -94,8 +93,6 @@ template <int D> struct MotionSettings : MotionOfAnyDimension {
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
 struct HeatSettings {
 	TALIK_PARAMETERS(TALIK_HEAT_TRANSFER)
-	EnthalpyForm  enthalpyForm  = EnthalpyForm::stateFunction;
-	LatentDensity latentDensity = LatentDensity::ice;
 };
 
 /// The effect of pore water: a second velocity, pressure, seepage.
@@ -185,8 +182,6 @@ struct SettingsOfAnyDimension {
 	double poreFill = std::numeric_limits<double>::quiet_NaN();
 	double usedPoreFill() const { return std::isnan(poreFill) ? (heat || water ? 1.0 : 0.0) : poreFill; }
 
-	bool resting = true; ///< effects with nothing to do rest; false: they run all the same, with the same results bit by bit
-
 	/// Number of points from which on a step uses several threads; with fewer they would wait for each other longer than they
 	/// work. Results do not depend on it.
 	int parallelFrom = 500;
@@ -238,32 +233,6 @@ struct StableTimeStep {
 	double                     step; ///< [s]
 	std::string                governing;
 	std::vector<TimeStepLimit> limits;
-};
-
-/// Sums over the ground and what crossed its boundary since the start. Per metre of thickness in 2-D.
-template <int D> struct Balance {
-	double time      = 0.0;
-	double solidMass = 0.0, waterMass = 0.0, iceMass = 0.0; ///< [kg]; water includes ice
-	double waterOut = 0.0;                                  ///< left through drained boundaries [kg]
-	Vec<D> momentum {};                                     ///< of both phases [kg m/s]
-	Vec<D> impulse {};                                      ///< of gravity, loads, walls and damping since the start [N s]
-	double enthalpy    = 0.0;                               ///< [J]
-	double heatIn      = 0.0;                               ///< conducted in through boundaries and produced by sources [J]
-	double enthalpyOut = 0.0;                               ///< carried out by water [J]
-
-	// Mechanical energies [J]; the works only with GroundSettings::energyLedger.
-	double kineticEnergy      = 0.0;
-	double gravityEnergy      = 0.0; ///< relative to the origin of coordinates; water that leaves takes its own along
-	double skeletonWork       = 0.0; ///< done on the skeleton by effective stress
-	double porePressureWork   = 0.0; ///< done by pore pressure on the pore content
-	double workAhead          = 0.0; ///< part of both works that the state at the end of the last step did on its strain: it moves the ground in the next
-	double dragDissipation    = 0.0;
-	double dampingDissipation = 0.0;
-	double loadWork           = 0.0; ///< done by surface loads
-	double slipWork           = 0.0; ///< of the force between frozen and thawed ground on their slip
-	double wallWork           = 0.0; ///< done by walls of given velocity; kept in every scene
-	double segregationWork    = 0.0; ///< of suction on the water that freezing ground draws; kept in every scene that does
-	double waterDrawn         = 0.0; ///< by freezing ground to its fronts [kg]
 };
 
 /// One array of the complete state.

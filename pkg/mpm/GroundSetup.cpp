@@ -366,15 +366,8 @@ template <int D> void Ground<D>::initialise()
 	g.placePoints();
 	g.checkFreeSurface();
 	if (g.motion) {
-		const bool balanced = g.settings.motion->balanceStart;
-		// the ratio of stresses by which the weight of a cell acts in it changes as they do
-		for (int round = 0; balanced && round < (g.bBar.hasWeights() ? 6 : 1); ++round)
-			g.balanceStart();
-		const double* const       upright = g.motion->stress[stressIndex<D>(D - 1, D - 1)];
-		const std::vector<double> before(upright, upright + (balanced ? g.points->count() : 0));
 		g.beginSkeletons();
 		if (g.compression) g.checkCompression();
-		if (balanced) g.requireBalancedStress(before);
 		if (g.bodies) g.bodies->chooseStiffness(g.largestModulus(), g.grid.spacing());
 		if (g.water) g.water->chooseLargestConductivity(g.content->smallestReferencePorosity());
 		if (g.calendar) g.calendar->measure(g.context(), g.inMotion, g.conducting(), nullptr, g.settings.heatFraction, g.clock.calendar);

@@ -16,7 +16,6 @@ template <int D> bool Ground<D>::inSlabs() const { return bool(parts_->ranks); }
 
 template <int D> std::string Ground<D>::Parts::refusalOfRanks() const
 {
-	if (settings.motion && settings.motion->balanceStart) return "balanceStart is one system for the whole ground: choose 'none', or leave it out.";
 	if (!grid.images().empty()) return "PeriodicBoundary repeats the ground of one rank: choose 'none', or leave it out.";
 	return "";
 }

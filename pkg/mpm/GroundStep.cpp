@@ -26,13 +26,12 @@ template <int D> void Ground<D>::beginStep(double dt)
 		        "the last step of the ground ended half way, its points do not fit together: go on from a checkpoint, or from the start");
 	g.cost.start();
 	g.cost.time(CostMeter::sorting, [&] { g.openStep(dt); });
-	if (g.heat) g.cost.time(CostMeter::heat, [&] { g.settleHeat(); });
+	if (g.heat) g.cost.time(CostMeter::heat, [&] { g.setReferenceOfHeat(); });
 }
 
 template <int D> void Ground<D>::p2g()
 {
-	Parts& g = *parts_;
-	if (g.allRests()) return;
+	Parts&               g    = *parts_;
 	const StepContext<D> step = g.context();
 	g.cost.time(g.base(), [&] { g.clearNodes(); });
 	if (g.front) g.cost.time(CostMeter::front, [&] { g.findFront(step); });
@@ -45,13 +44,12 @@ template <int D> void Ground<D>::p2g()
 
 template <int D> void Ground<D>::solveNodes()
 {
-	Parts& g = *parts_;
-	if (g.allRests()) return;
+	Parts&               g    = *parts_;
 	const StepContext<D> step = g.context();
 	if (g.heat || g.water) g.findFlows(step);
 	if (!g.stateDependent.empty()) g.cost.time(CostMeter::boundaries, [&] { g.evaluateBoundaries(step); });
-	if (g.conducts()) g.cost.time(CostMeter::boundaries, [&] { g.exchangeHeat(step); });
-	if (g.conducts()) g.cost.time(CostMeter::heat, [&] { g.finishTemperature(step); });
+	if (g.heat) g.cost.time(CostMeter::boundaries, [&] { g.exchangeHeat(step); });
+	if (g.heat) g.cost.time(CostMeter::heat, [&] { g.finishTemperature(step); });
 	if (g.motion) g.solveMomentum(step);
 	if (g.water) g.cost.time(CostMeter::water, [&] { g.seep(step); });
 }
@@ -61,22 +59,19 @@ template <int D> void Ground<D>::g2p()
 	Parts&               g    = *parts_;
 	const StepContext<D> step = g.context();
 	g.clock.halfDone          = 1;
-	if (g.allRests()) return;
 	g.gatherFromGrid(step);
 	if (g.motion) g.cost.time(CostMeter::motion, [&] { g.checkPositions(step); });
 }
 
 template <int D> void Ground<D>::updateStrainAndPressure()
 {
-	Parts& g = *parts_;
-	if (g.allRests() && g.contentSettled) return;
+	Parts&               g    = *parts_;
 	const StepContext<D> step = g.context();
 	if (g.booksEnergy()) g.cost.time(CostMeter::ledger, [&] { g.strainWork.bookStart(step, *g.points, *g.motion, g.water.get(), g.averagingCells()); });
 	if (g.segregation) g.cost.time(CostMeter::segregation, [&] { g.segregate(step); });
 	if (g.exchangingCells()) g.cost.time(CostMeter::water, [&] { g.stabiliseCells(step); });
 	g.updatePoints(step);
 	if (g.cellPressure()) g.cost.time(CostMeter::water, [&] { g.findCellPressure(step); });
-	g.contentSettled = g.allRests();
 	if (g.content) g.refuseImpossibleStates(step);
 }
 
@@ -141,36 +136,20 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	water->kept = keptFraction(water->scales.largest > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
 }
 
-template <int D> void Ground<D>::Parts::settleHeat()
-{
-	const double before = heat->reference;
-	heatRests           = heatMayRest();
-	// an update that left all temperatures as they were would do so again
-	contentSettled = contentSettled && heatRests && heat->reference == before;
-}
-
-/// Heat of ground with one temperature, in which nothing can change it, has nothing to do. That is decided anew in every step, from
-/// the state alone.
-template <int D> bool Ground<D>::Parts::heatMayRest()
+/// Nodes count temperatures from that of one point, so that ground of one temperature conducts exactly nothing.
+template <int D> void Ground<D>::Parts::setReferenceOfHeat()
 {
 	struct Own {
-		double reference, first;
-		int    holdsReference, points, same;
+		double reference;
+		int    holdsReference;
 	};
-	const Strips& strips = points->strips();
-	const int     first = strips.firstPoint(), end = strips.endPoint(), place = points->place(0);
-	const double* temperature = heat->temperature;
-	Own           own {};
-	own.holdsReference = place >= first && place < end;
-	own.points         = end > first;
-	if (own.holdsReference) own.reference = temperature[place];
-	if (own.points) own.first = temperature[first];
-	own.same                   = settings.resting && heat->haveTemperature(own.first, first, end);
-	const std::vector<Own> all = ranks ? ranks.slabs()->byRank(own) : std::vector<Own> { own };
-	for (const Own& rank : all)
-		if (rank.holdsReference) heat->setReference(rank.reference);
-	const bool same = std::all_of(all.begin(), all.end(), [&](const Own& rank) { return rank.same && (!rank.points || rank.first == heat->reference); });
-	return same && heat->receivesNothing(settings.boundaries, calendarEnd());
+	const int  place = points->place(0);
+	const bool holds = place >= points->strips().firstPoint() && place < points->strips().endPoint();
+	const Own  own { holds ? heat->temperature[place] : 0.0, holds };
+	heat->reference = own.reference;
+	if (!ranks) return;
+	for (const Own& rank : ranks.slabs()->byRank(own))
+		if (rank.holdsReference) heat->reference = rank.reference;
 }
 
 // ---- p2g: points to nodes and cells ---------------------------------------------------------------------------------
@@ -193,7 +172,7 @@ template <int D> void Ground<D>::Parts::findFrontStrength()
 template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 {
 	using Columns                        = NodeColumns<D>;
-	const double* const weight           = conducts() ? heat->carriedWeight() : nullptr;
+	const double* const weight           = heat ? heat->carriedWeight() : nullptr;
 	const double* const weightWithMotion = Columns::Moving::carriesHeat ? weight : nullptr;
 	passes.inBlocks(
 	        passes.toGrid,
@@ -202,7 +181,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 		        if (motion) rows.nodes(motion->nodes);
 		        if (front) front->shareMapped(grid, rows);
 		        if (water) rows.nodes(water->nodes);
-		        if (conducts()) heat->shareMapped(rows);
+		        if (heat) heat->shareMapped(rows);
 		        if (implicit && implicit->isFed()) implicit->shareLiquids(rows);
 		        if (surface) rows.nodes(surface->nodes);
 	        },
@@ -222,7 +201,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 	        PassPart { motion && weighs() && fillsCells, CostMeter::motion, [&](const WeightBlock<D>& w, double*) { mapWeight(w); } },
 	        PassPart { bool(water), CostMeter::water,
 	                   [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells(), weight, weight ? heat->reference : 0.0); } },
-	        PassPart { conducts(), CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
+	        PassPart { bool(heat), CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
 	        PassPart { implicit && implicit->isFed(), CostMeter::water, [&](const WeightBlock<D>& w, double*) { implicit->map(w, *cells, *content); } },
 	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { surface->map(w); } });
 }
@@ -260,21 +239,20 @@ template <int D> void Ground<D>::Parts::collectSurfaces(const StepContext<D>& st
 /// Heat that conduction brings to the nodes and force of the pore pressure on them, in one pass where both exist.
 template <int D> void Ground<D>::Parts::findFlows(const StepContext<D>& step)
 {
-	if (conducts()) cost.time(CostMeter::heat, [&] { heat->nodalTemperature(step, settings.boundaries); });
-	else if (heat && water) cost.time(CostMeter::heat, [&] { heat->rest(step.halo); });
+	if (heat) cost.time(CostMeter::heat, [&] { heat->nodalTemperature(step, settings.boundaries); });
 	if (water) cost.time(CostMeter::water, [&] { findNodalPressure(step); });
 	const auto pass = [&](CostMeter::Entry pays, auto&& work) {
 		const auto share = [&](HaloExchange& rows) {
 			rows.beyond = water && front; // sides meet there with the force on their liquid
 			if (water) rows.nodes(water->force);
-			if (conducts()) heat->shareConducted(rows);
+			if (heat) heat->shareConducted(rows);
 		};
 		cost.time(pays, [&] { passes.scatter(passes.flows, work, share); });
 	};
-	if (conducts() && water) {
+	if (heat && water) {
 		const typename NodeLoops<D>::HeatFlow flow = heat->flow(step);
 		pass(CostMeter::flows, [&](const WeightBlock<D>& w) { nodeLoops<D>().flowHeatAndPressure(w, flow, water->nodal[0], water->force[0]); });
-	} else if (conducts()) pass(CostMeter::heat, [&](const WeightBlock<D>& w) { heat->conduct(step, w); });
+	} else if (heat) pass(CostMeter::heat, [&](const WeightBlock<D>& w) { heat->conduct(step, w); });
 	else if (water && !implicit) pass(CostMeter::water, [&](const WeightBlock<D>& w) { water->pressureForce(w); });
 }
 
@@ -290,7 +268,7 @@ template <int D> void Ground<D>::Parts::findNodalPressure(const StepContext<D>& 
 /// Fluxes and forces of boundaries that follow the state of their nodes.
 template <int D> void Ground<D>::Parts::evaluateBoundaries(const StepContext<D>& step)
 {
-	stateDependent.evaluate(step, { motion.get(), heat.get(), heatRests, water.get() }, surface.get());
+	stateDependent.evaluate(step, { motion.get(), heat.get(), water.get() }, surface.get());
 }
 
 template <int D> void Ground<D>::Parts::exchangeHeat(const StepContext<D>& step)
@@ -349,15 +327,9 @@ template <int D> void Ground<D>::Parts::pushByBoundaries(const StepContext<D>& s
 template <int D> void Ground<D>::Parts::seep(const StepContext<D>& step)
 {
 	if (implicit) return water->finishExchange(step.owned);
-	waterRests = false;
-	if (settings.resting) {
-		const bool flows = water->flows(step.owned);
-		waterRests       = !step.onAnyRank(flows);
-	}
-	if (!waterRests)
-		passes.scatter(
-		        passes.seepage, [&](const WeightBlock<D>& w) { water->seep(w, step.dt, liquidDensity(), enthalpyModel()); },
-		        [&](HaloExchange& rows) { rows.nodes(water->exchange, PoreWater<D>::exchangeSize); });
+	passes.scatter(
+	        passes.seepage, [&](const WeightBlock<D>& w) { water->seep(w, step.dt, liquidDensity(), enthalpyModel()); },
+	        [&](HaloExchange& rows) { rows.nodes(water->exchange, PoreWater<D>::exchangeSize); });
 	overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
 		water->drain(step, patch, boundary.recharges(), liquid(), heat ? &heat->mapped : nullptr);
 	});
@@ -382,7 +354,6 @@ template <int D> void Ground<D>::Parts::feedWater(const StepContext<D>& step)
 /// In place of the flow of the nodes water flows between cells, by the pressure that they have at the end of the step.
 template <int D> void Ground<D>::Parts::findImplicitPressure(const StepContext<D>& step)
 {
-	waterRests = false;
 	feedWater(step);
 	implicit->beginFlow(step, *water, liquidDensity());
 	overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
@@ -396,8 +367,8 @@ template <int D> void Ground<D>::Parts::findImplicitPressure(const StepContext<D
 
 template <int D> void Ground<D>::Parts::gatherFromGrid(const StepContext<D>& step)
 {
-	const bool average = averaging(), inRecordOfWater = conducts() && water && NodeColumns<D>::Gathered::carriesIncrement,
-	           inRecordOfMotion = conducts() && motion && NodeColumns<D>::Solved::carriesIncrement;
+	const bool average = averaging(), inRecordOfWater = heat && water && NodeColumns<D>::Gathered::carriesIncrement,
+	           inRecordOfMotion = heat && motion && NodeColumns<D>::Solved::carriesIncrement;
 	if (average) cells->clearSums(step.halo);
 	passes.inBlocks(
 	        passes.toPoints,
@@ -416,7 +387,7 @@ template <int D> void Ground<D>::Parts::gatherFromGrid(const StepContext<D>& ste
 	                   } },
 	        PassPart { bool(motion), CostMeter::motion,
 	                   [&](const WeightBlock<D>& w, double* gained) { motion->gather(w, step.dt, inRecordOfMotion ? gained : nullptr); } },
-	        PassPart { conducts(), CostMeter::heat,
+	        PassPart { bool(heat), CostMeter::heat,
 	                   [&](const WeightBlock<D>& w, double* gained) { heat->gather(w, inRecordOfWater || inRecordOfMotion ? gained : nullptr); } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->gather(grid, w, *motion); } },
 	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->gather(step, w, pointsOfFront(), affine.get()); } },
@@ -611,7 +582,12 @@ template <int D> void Ground<D>::Parts::restoreStrainOfGround()
 	if (segregation) segregation->restoreGradients(motion->gradient);
 }
 
-template <int D> void Ground<D>::Parts::bookStep() { clock.account.add(ledger.sum(ranks.slabs())); }
+template <int D> void Ground<D>::Parts::bookStep()
+{
+	const StepAccount<D> step = ledger.sum(ranks.slabs());
+	clock.account += step;
+	clock.account.workAhead = step.workAhead; // of the last step alone
+}
 
 template <int D> void Ground<D>::Parts::advanceClock()
 {
@@ -631,38 +607,36 @@ template <int D> void Ground<D>::Parts::measureMotion(const StepContext<D>& step
 
 template <int D> std::vector<std::pair<std::string, double>> Ground<D>::cost() const
 {
-	const Parts&                                g = *parts_;
+	const Parts& g         = *parts_;
+	const bool   exchanges = g.surface || !g.stateDependent.empty();
+	// in the order of CostMeter::Entry: what a scene may spend time on, and whether this one does
+	const std::pair<const char*, bool> effects[CostMeter::entries] = {
+		{ "sorting", true },
+		{ "motion", bool(g.motion) },
+		{ "transfer", bool(g.affine) },
+		{ "thaw front", bool(g.front) },
+		{ "bodies", bool(g.bodies) },
+		{ "cell averages", bool(g.cells) },
+		{ "heat", bool(g.heat) },
+		{ "freezing", g.content && g.content->iceMass },
+		{ "water", bool(g.water) },
+		{ "conduction and pore pressure", g.heat && g.water },
+		{ "free surface", bool(g.surface) },
+		{ "boundaries", exchanges },
+		{ "thaw strain", bool(g.thawStrain) },
+		{ "ice segregation", bool(g.segregation) },
+		{ "energy ledger", g.booksEnergy() },
+		{ "calendar", bool(g.calendar) },
+		{ "time step limits", true },
+	};
 	std::vector<std::pair<std::string, double>> list;
 	for (int e = 0; e < CostMeter::entries; ++e)
-		if (g.pays(static_cast<CostMeter::Entry>(e)))
-			list.emplace_back(CostMeter::nameOf(static_cast<CostMeter::Entry>(e)), g.cost.seconds(static_cast<CostMeter::Entry>(e)));
+		if (effects[e].second) list.emplace_back(effects[e].first, g.cost.seconds(static_cast<CostMeter::Entry>(e)));
 	for (std::size_t k = 0; k < g.effects.size(); ++k)
 		list.emplace_back(g.effects[k]->name(), g.cost.seconds(CostMeter::ofEffect(int(k))));
 	for (std::size_t k = 0; g.motion && k < g.settings.skeletons.size(); ++k)
 		list.emplace_back(g.settings.skeletons[k]->name() + "[" + std::to_string(k) + "]", g.cost.secondsOfSkeleton(int(k)));
 	return list;
-}
-
-template <int D> bool Ground<D>::Parts::pays(CostMeter::Entry entry) const
-{
-	switch (entry) {
-		case CostMeter::motion: return bool(motion);
-		case CostMeter::transfer: return bool(affine);
-		case CostMeter::front: return bool(front);
-		case CostMeter::bodies: return bool(bodies);
-		case CostMeter::cells: return bool(cells);
-		case CostMeter::heat: return bool(heat);
-		case CostMeter::freezing: return content && content->iceMass;
-		case CostMeter::water: return bool(water);
-		case CostMeter::flows: return heat && water;
-		case CostMeter::surface: return bool(surface);
-		case CostMeter::boundaries: return surface || !stateDependent.empty();
-		case CostMeter::thawStrain: return bool(thawStrain);
-		case CostMeter::segregation: return bool(segregation);
-		case CostMeter::calendar: return bool(calendar);
-		case CostMeter::ledger: return motion && settings.energyLedger;
-		default: return true;
-	}
 }
 
 template std::vector<std::pair<std::string, double>> Ground<2>::cost() const;

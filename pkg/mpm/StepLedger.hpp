@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/mpm/Balance.hpp>
 #include <pkg/mpm/grid/Grid.hpp>
 #include <pkg/mpm/points/MaterialPoints.hpp>
 
@@ -8,56 +9,6 @@
 #include <vector>
 
 namespace talik {
-
-/// What solving the momentum balance adds to the accounts.
-template <int D> struct MomentumAccount {
-	Vec<D> impulse {};               ///< of gravity, loads, walls and damping [N s]
-	double dragDissipation    = 0.0; ///< [J]
-	double dampingDissipation = 0.0; ///< [J]
-	double loadWork           = 0.0; ///< [J]
-	double slipWork           = 0.0; ///< [J]
-	double wallWork           = 0.0; ///< [J]
-};
-
-/// What a step adds to the accounts.
-template <int D> struct StepAccount : MomentumAccount<D> {
-	Vec<D> momentumOut {};                                  ///< with the water [N s]
-	double waterOut = 0.0, enthalpyOut = 0.0, heatIn = 0.0; ///< [kg], [J], [J]
-	double skeletonWork = 0.0, porePressureWork = 0.0;      ///< [J]
-	double waterDrawn = 0.0, segregationWork = 0.0;         ///< by ice that segregates [kg], [J]
-	double workAhead = 0.0;                                 ///< part of both that acts on the motion in the next step [J]
-
-	StepAccount& operator+=(const StepAccount& other)
-	{
-		for (int a = 0; a < D; ++a) {
-			this->impulse[a] += other.impulse[a];
-			momentumOut[a] += other.momentumOut[a];
-		}
-		this->dragDissipation += other.dragDissipation;
-		this->dampingDissipation += other.dampingDissipation;
-		this->loadWork += other.loadWork;
-		this->slipWork += other.slipWork;
-		this->wallWork += other.wallWork;
-		waterOut += other.waterOut;
-		enthalpyOut += other.enthalpyOut;
-		heatIn += other.heatIn;
-		skeletonWork += other.skeletonWork;
-		porePressureWork += other.porePressureWork;
-		waterDrawn += other.waterDrawn;
-		segregationWork += other.segregationWork;
-		workAhead += other.workAhead;
-		return *this;
-	}
-};
-
-/// The accounts of a run, to which every step adds.
-template <int D> struct RunAccount : StepAccount<D> {
-	void add(const StepAccount<D>& step)
-	{
-		*this += step;
-		this->workAhead = step.workAhead; // of the last step alone
-	}
-};
 
 /// What a step adds to the accounts, kept by pairs of rows of nodes. A strip of cells has the two pairs in its middle, and the sum runs over
 /// the strips: so it has one order for any number of threads and ranks, and a rank knows all that belongs to its own strips.

@@ -7,51 +7,28 @@
 
 namespace talik {
 
-EnthalpyForm enthalpyFormFromName(const std::string& name)
-{
-	return static_cast<EnthalpyForm>(placeOfName("HeatTransfer.enthalpyForm", name, { "stateFunction", "capacityIntegral" }));
-}
-
-LatentDensity latentDensityFromName(const std::string& name)
-{
-	return static_cast<LatentDensity>(placeOfName("HeatTransfer.latentDensity", name, { "ice", "liquid" }));
-}
-
-EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurvePtr curve, EnthalpyForm form, LatentDensity latentDensity)
-        : curve_(curve ? std::move(curve) : unfrozenCurve())
-        , latentDensity_(latentDensity)
+EnthalpyModel::EnthalpyModel(const MixtureProperties& properties, FreezingCurvePtr curve)
+        : formula_ { properties }
+        , curve_(curve ? std::move(curve) : unfrozenCurve())
 {
 	properties.validate();
-	const bool   asPrinted = latentDensity == LatentDensity::liquid;
-	const double excess    = asPrinted ? properties.liquid.density / properties.ice.density : 1.0;
-	const double latent    = properties.latentHeat * excess;
-	formula_               = {
-		              properties, form, latent, properties.ice.density * latent, curve_->freezingTemperature(), curve_->integral(properties.referenceTemperature), {}
-	};
-}
-
-void EnthalpyModel::setTolerance(double tolerance)
-{
-	requireSetting(tolerance > 0.0 && tolerance <= 1e-6, "enthalpyTolerance", tolerance, "must lie in (0, 1e-6]; 1e-12 is the default");
-	tolerance_ = tolerance;
 }
 
 ThermalState EnthalpyModel::stateAt(const SoilContent& soil, double temperature) const
 {
 	const double sl = curve_->liquidSaturation(temperature);
-	const auto   at = formula_.at(soil, temperature, sl, curve_->derivative(temperature), 0.0);
+	const auto   at = formula_.at(soil, temperature, sl, curve_->derivative(temperature));
 	return { temperature, sl, at.iceMass, at.heatCapacity, std::isfinite(at.heatCapacity) && temperature > lowestTemperature, at.slope };
 }
 
 double EnthalpyModel::enthalpy(const SoilContent& soil, double temperature) const
 {
-	const double integral = curve_->integral(temperature) - formula_.integralAtReference;
-	return formula_.at(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature), integral).enthalpy;
+	return formula_.at(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature)).enthalpy;
 }
 
 double EnthalpyModel::apparentCapacity(const SoilContent& soil, double temperature) const
 {
-	return formula_.at(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature), 0.0).slope;
+	return formula_.at(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature)).slope;
 }
 
 ThermalState EnthalpyModel::solve(const SoilContent& soil, double enthalpy, double guess) const

@@ -10,11 +10,6 @@
 
 namespace talik {
 
-/// Form of H(T). stateFunction: masses times specific enthalpies, conserves energy under strain, seepage and phase change.
-/// capacityIntegral: integral of the volumetric capacity plus n V rho L_f S_l, which is Yu & Zhao eq. (4) read literally; it
-/// knows no enthalpy of moving water and is meant for rigid ground and comparison.
-enum class EnthalpyForm { stateFunction, capacityIntegral };
-
 /// What does not depend on temperature in the enthalpy of one material point.
 struct SoilContent {
 	double solidMass;  ///< m_s [kg], > 0
@@ -29,12 +24,7 @@ struct EnthalpyFormula {
 	static constexpr double residualWaterFraction = 1e-3;
 
 	MixtureProperties properties;
-	EnthalpyForm      form;
-	double            latentHeat;          ///< L_f of the state-function form [J/kg]
-	double            latentPerPoreVolume; ///< rho L_f of the capacity-integral form [J/m^3]
-	double            freezingTemperature; ///< T_f [degC]
-	double            integralAtReference; ///< integral of S_l from T_f to T_0 [K]
-	Phase             iceInPores {};       ///< ice with the density by which it fills pores, see EnthalpyModel::letWaterFillPores; 0: it does not
+	Phase             iceInPores {}; ///< ice with the density by which it fills pores, see EnthalpyModel::letWaterFillPores; 0: it does not
 
 	struct Value {
 		double enthalpy;     ///< H [J]
@@ -43,60 +33,29 @@ struct EnthalpyFormula {
 		double heatCapacity; ///< at fixed phase masses [J/K]
 	};
 
-	/// sl, dsl: S_l and dS_l/dT at temperature; integralOfSl: from T_0 to temperature, for the capacity-integral form only.
-	template <EnthalpyForm Form> Value at(const SoilContent& soil, double temperature, double sl, double dsl, double integralOfSl) const
+	/// sl, dsl: S_l and dS_l/dT at temperature.
+	Value at(const SoilContent& soil, double temperature, double sl, double dsl) const
 	{
-		const Phase &ice = properties.ice, &liquid = properties.liquid;
-		const double theta         = temperature - properties.referenceTemperature;
-		const Ice    frozen        = iceAt(soil, temperature, sl, dsl);
-		const double solidCapacity = soil.solidMass * properties.solid.specificHeat;
-		if constexpr (Form == EnthalpyForm::stateFunction) {
-			const double difference = liquid.specificHeat - ice.specificHeat;
-			const double capacity   = solidCapacity + soil.waterMass * liquid.specificHeat - difference * frozen.mass;
-			const double enthalpy   = capacity * theta + (soil.waterMass - frozen.mass) * latentHeat;
-			return { enthalpy, capacity - frozen.slope * (latentHeat + difference * theta), frozen.mass, capacity };
-		}
-		const double iceCapacity    = ice.density * ice.specificHeat;
-		const double liquidCapacity = liquid.density * liquid.specificHeat;
-		const double capacity       = solidCapacity + soil.poreVolume * ((1.0 - sl) * iceCapacity + sl * liquidCapacity);
-		const double enthalpy       = solidCapacity * theta
-		        + soil.poreVolume * (iceCapacity * (theta - integralOfSl) + liquidCapacity * integralOfSl + latentPerPoreVolume * sl);
-		return { enthalpy, capacity + soil.poreVolume * latentPerPoreVolume * dsl, frozen.mass, capacity };
+		const double theta = temperature - properties.referenceTemperature, latentHeat = properties.latentHeat;
+		const Ice    frozen     = iceAt(soil, temperature, sl, dsl);
+		const double difference = properties.liquid.specificHeat - properties.ice.specificHeat;
+		const double capacity   = thawedCapacity(soil) - difference * frozen.mass;
+		const double enthalpy   = capacity * theta + (soil.waterMass - frozen.mass) * latentHeat;
+		return { enthalpy, capacity - frozen.slope * (latentHeat + difference * theta), frozen.mass, capacity };
 	}
-	Value at(const SoilContent& soil, double temperature, double sl, double dsl, double integralOfSl) const
-	{
-		return form == EnthalpyForm::stateFunction ? at<EnthalpyForm::stateFunction>(soil, temperature, sl, dsl, integralOfSl)
-		                                           : at<EnthalpyForm::capacityIntegral>(soil, temperature, sl, dsl, integralOfSl);
-	}
-
 	double thawedCapacity(const SoilContent& soil) const
 	{
-		const double water = form == EnthalpyForm::stateFunction ? soil.waterMass : soil.poreVolume * properties.liquid.density;
-		return soil.solidMass * properties.solid.specificHeat + water * properties.liquid.specificHeat;
+		return soil.solidMass * properties.solid.specificHeat + soil.waterMass * properties.liquid.specificHeat;
 	}
-
 	/// Enthalpy of thawed ground extrapolated to T_0.
-	double thawedOffset(const SoilContent& soil) const
-	{
-		// between T_0 and T_f the capacity was that of the curve, not of thawed ground
-		const double missing        = freezingTemperature - properties.referenceTemperature + integralAtReference;
-		const double iceCapacity    = properties.ice.density * properties.ice.specificHeat;
-		const double liquidCapacity = properties.liquid.density * properties.liquid.specificHeat;
-		return form == EnthalpyForm::stateFunction ? soil.waterMass * latentHeat
-		                                           : soil.poreVolume * (latentPerPoreVolume + (iceCapacity - liquidCapacity) * missing);
-	}
-
+	double thawedOffset(const SoilContent& soil) const { return soil.waterMass * properties.latentHeat; }
 	double smallestCapacity(const SoilContent& soil) const
 	{
-		const double iceCapacity    = properties.ice.density * properties.ice.specificHeat;
-		const double liquidCapacity = properties.liquid.density * properties.liquid.specificHeat;
-		const double water          = form == EnthalpyForm::stateFunction ? soil.waterMass * properties.ice.specificHeat
-		                                                                  : soil.poreVolume * std::min(iceCapacity, liquidCapacity);
-		return soil.solidMass * properties.solid.specificHeat + water;
+		return soil.solidMass * properties.solid.specificHeat + soil.waterMass * properties.ice.specificHeat;
 	}
 
 	/// What residuals of the enthalpy are measured against, m_s c_s 1 K + m_w L_f [J].
-	double residualScale(const SoilContent& soil) const { return soil.solidMass * properties.solid.specificHeat + soil.waterMass * latentHeat; }
+	double residualScale(const SoilContent& soil) const { return soil.solidMass * properties.solid.specificHeat + soil.waterMass * properties.latentHeat; }
 
 	/// Ice at a liquid saturation, eq. (2.4), without the water that never freezes.
 	struct Ice {
@@ -117,13 +76,6 @@ struct EnthalpyFormula {
 		return { uncapped >= cap ? cap : uncapped, uncapped >= cap ? 0.0 : slope };
 	}
 };
-
-/// Density that multiplies the latent heat of the melting volume: that of ice (the mass that melts) or, as printed in
-/// Yu & Zhao eq. (4), that of the liquid (9.9 % more heat).
-enum class LatentDensity { ice, liquid };
-
-EnthalpyForm  enthalpyFormFromName(const std::string& name);  ///< "stateFunction" | "capacityIntegral"
-LatentDensity latentDensityFromName(const std::string& name); ///< "ice" | "liquid"
 
 /// Thermal state of one material point.
 struct ThermalState {
@@ -151,7 +103,7 @@ struct EnthalpyBatch {
 
 /// Enthalpy of saturated freezing ground as a function of temperature and the inverse.
 ///
-/// State-function form, zero at T_0 for grains and ice, eq. (9.1):
+/// Zero at T_0 for grains and ice, eq. (9.1):
 ///   H(T) = [m_s c_s + m_i c_i + m_l c_l](T - T_0) + m_l L_f,
 ///   m_i(T) = min(rho_i(T) S_i(T) V, (1 - f_r) m_w),  m_l = m_w - m_i,
 /// with the volume V that the water fills at these saturations, see letWaterFillPores, or that of the pores.
@@ -160,16 +112,10 @@ struct EnthalpyBatch {
 class EnthalpyModel {
 public:
 	/// Throws std::invalid_argument for bad properties. Without a curve the ground never freezes.
-	explicit EnthalpyModel(
-	        const MixtureProperties& properties = {}, FreezingCurvePtr curve = nullptr, EnthalpyForm form = EnthalpyForm::stateFunction,
-	        LatentDensity latentDensity = LatentDensity::ice);
+	explicit EnthalpyModel(const MixtureProperties& properties = {}, FreezingCurvePtr curve = nullptr);
 
 	const MixtureProperties& properties() const { return formula_.properties; }
 	const FreezingCurve&     curve() const { return *curve_; }
-	EnthalpyForm             form() const { return formula_.form; }
-	LatentDensity            latentDensity() const { return latentDensity_; }
-	/// L_f of the state-function form [J/kg]; 9.9 % above the material's with LatentDensity::liquid.
-	double latentHeat() const { return formula_.latentHeat; }
 
 	/// From now on ice is a function of T and the mass of water, whatever volume the pores have: that of pores that the water fills, with ice of
 	/// this density [kg/m^3]. Ground then exchanges no heat with its strain.
@@ -184,9 +130,8 @@ public:
 	/// Lowest temperature for which H(T) is inverted [degC].
 	static constexpr double lowestTemperature = -150.0;
 
-	/// Stop of the inversion: |H(T) - H| <= tolerance (m_s c_s 1 K + m_w L_f). In (0, 1e-6], default 1e-12.
-	double tolerance() const { return tolerance_; }
-	void   setTolerance(double tolerance);
+	/// Stop of the inversion: |H(T) - H| <= tolerance (m_s c_s 1 K + m_w L_f).
+	static constexpr double tolerance = 1e-12;
 
 	/// State at a given temperature (at T_f of a sharp curve: thawed).
 	ThermalState stateAt(const SoilContent& soil, double temperature) const;
@@ -206,7 +151,7 @@ public:
 	double liquidEnthalpy(double temperature) const
 	{
 		const MixtureProperties& m = formula_.properties;
-		return m.liquid.specificHeat * (temperature - m.referenceTemperature) + formula_.latentHeat;
+		return m.liquid.specificHeat * (temperature - m.referenceTemperature) + m.latentHeat;
 	}
 
 	const EnthalpyFormula& formula() const { return formula_; }
@@ -214,8 +159,6 @@ public:
 private:
 	EnthalpyFormula  formula_;
 	FreezingCurvePtr curve_;
-	LatentDensity    latentDensity_;
-	double           tolerance_ = 1e-12;
 };
 
 } // namespace talik

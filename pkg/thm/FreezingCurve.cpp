@@ -27,22 +27,10 @@ namespace {
 		bool                   isSharp() const override { return Curve::sharp; }
 		double                 liquidSaturation(double temperature) const override { return curve_.liquidSaturation(temperature); }
 		double                 derivative(double temperature) const override { return curve_.derivative(temperature); }
-		double                 integral(double temperature) const override { return curve_.integral(temperature); }
-
-		void evaluate(const double* temperature, double* liquidSaturation, double* derivative, std::size_t count) const override
-		{
-			for (std::size_t p = 0; p < count; ++p)
-				liquidSaturation[p] = curve_.liquidSaturation(temperature[p]);
-			if (!derivative) return;
-			for (std::size_t p = 0; p < count; ++p)
-				derivative[p] = curve_.derivative(temperature[p]);
-		}
 
 		std::size_t solveTemperatures(const EnthalpyModel& model, const EnthalpyBatch& batch) const override
 		{
-			if (model.form() == EnthalpyForm::stateFunction)
-				return TemperatureSolver<Curve, EnthalpyForm::stateFunction>(model.formula(), curve_, model.tolerance()).solve(batch);
-			return TemperatureSolver<Curve, EnthalpyForm::capacityIntegral>(model.formula(), curve_, model.tolerance()).solve(batch);
+			return TemperatureSolver<Curve>(model.formula(), curve_).solve(batch);
 		}
 
 	private:
@@ -127,18 +115,6 @@ namespace {
 		return value;
 	}
 
-	// Five-point Gauss-Legendre rule on [0,1]
-	constexpr double gaussNodes[5]   = { 0.04691007703066802, 0.23076534494715845, 0.5, 0.76923465505284155, 0.95308992296933198 };
-	constexpr double gaussWeights[5] = { 0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324, 0.11846344252809454 };
-
-	template <class Function> double gaussIntegral(const Function& f, double from, double to)
-	{
-		double sum = 0.0;
-		for (int k = 0; k < 5; ++k)
-			sum += gaussWeights[k] * f(from + gaussNodes[k] * (to - from));
-		return sum * (to - from);
-	}
-
 } // namespace
 
 CurveBase::CurveBase(const CurveParameters& given)
@@ -219,22 +195,6 @@ VanGenuchtenCurve::VanGenuchtenCurve(const CurveParameters& given)
         , freezingKelvin(freezingTemperature + zeroCelsius)
 {
 	requireSetting(lambda > 0.0 && lambda < 1.0, "FreezingCurve.exponent", lambda, "must lie in (0, 1)");
-	knots_.push_back(0.0);
-	integrals_.push_back(0.0);
-	const auto saturation = [this](double theta) { return liquidSaturation(freezingTemperature - theta); };
-	for (double theta = 1e-6; theta < 200.0; theta *= 1.1) {
-		integrals_.push_back(integrals_.back() + gaussIntegral(saturation, knots_.back(), theta));
-		knots_.push_back(theta);
-	}
-}
-double VanGenuchtenCurve::integral(double temperature) const
-{
-	const double theta = freezingTemperature - temperature;
-	if (theta <= 0.0) return -theta;
-	const auto above      = std::upper_bound(knots_.begin(), knots_.end(), theta);
-	const auto k          = std::size_t(above - knots_.begin()) - 1;
-	const auto saturation = [this](double x) { return liquidSaturation(freezingTemperature - x); };
-	return -(integrals_[k] + gaussIntegral(saturation, knots_[k], theta));
 }
 
 std::vector<CurveParameter> SharpCurve::parameters() { return baseParameters(); }
@@ -283,11 +243,6 @@ TableCurve::TableCurve(std::vector<CurvePoint> points)
 	        "must be less than 1, the liquid that is left in the coldest ground");
 	freezingTemperature = points_.back().temperature;
 	residualSaturation  = points_.front().liquidSaturation;
-	integrals_.assign(points_.size(), 0.0);
-	for (std::size_t k = points_.size() - 1; k-- > 0;) {
-		const double width = points_[k + 1].temperature - points_[k].temperature;
-		integrals_[k]      = integrals_[k + 1] - 0.5 * width * (points_[k].liquidSaturation + points_[k + 1].liquidSaturation);
-	}
 }
 
 FreezingCurvePtr makeFreezingCurve(const std::vector<CurvePoint>& points)

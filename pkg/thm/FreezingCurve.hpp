@@ -38,10 +38,6 @@ public:
 
 	virtual double liquidSaturation(double temperature) const = 0; ///< S_l in [S_r, 1]
 	virtual double derivative(double temperature) const       = 0; ///< dS_l/dT >= 0 [1/K]
-	virtual double integral(double temperature) const         = 0; ///< integral of S_l from T_f to T [K]
-
-	/// S_l and dS_l/dT of count temperatures (arrays of length count; derivative may be null): one virtual call for all.
-	virtual void evaluate(const double* temperature, double* liquidSaturation, double* derivative, std::size_t count) const = 0;
 
 	/// T(H) for every entry of the batch with this curve's own code, see EnthalpyModel::temperatures.
 	virtual std::size_t solveTemperatures(const EnthalpyModel& model, const EnthalpyBatch& batch) const = 0;

@@ -53,13 +53,6 @@ struct GaussCurve : CurveBase {
 		const double below = (1.0 - residualSaturation) * 2.0 * theta / (width * width) * fraction(theta);
 		return theta <= 0.0 ? 0.0 : below;
 	}
-	double integral(double temperature) const
-	{
-		const double theta = freezingTemperature - temperature;
-		if (theta <= 0.0) return -theta;
-		constexpr double halfSqrtPi = 0.88622692545275801365;
-		return -(residualSaturation * theta + (1.0 - residualSaturation) * width * halfSqrtPi * std::erf(theta / width));
-	}
 
 private:
 	double fraction(double theta) const
@@ -87,12 +80,6 @@ struct ExponentialCurve : CurveBase {
 		const double theta = freezingTemperature - temperature, below = (1.0 - residualSaturation) * talik::exponential(-theta / width) / width;
 		return theta <= 0.0 ? 0.0 : below;
 	}
-	double integral(double temperature) const
-	{
-		const double theta = freezingTemperature - temperature;
-		if (theta <= 0.0) return -theta;
-		return -(residualSaturation * theta - (1.0 - residualSaturation) * width * std::expm1(-theta / width));
-	}
 };
 
 /// S_e = (1 + theta/D)^-a.
@@ -113,13 +100,6 @@ struct PowerCurve : CurveBase {
 	{
 		const double theta = freezingTemperature - temperature;
 		return theta <= 0.0 ? 0.0 : (1.0 - residualSaturation) * exponent / scale * std::pow(1.0 + theta / scale, -exponent - 1.0);
-	}
-	double integral(double temperature) const
-	{
-		const double theta = freezingTemperature - temperature;
-		if (theta <= 0.0) return -theta;
-		const double integralOfPower = scale * (1.0 - std::pow(1.0 + theta / scale, 1.0 - exponent)) / (exponent - 1.0);
-		return -(residualSaturation * theta + (1.0 - residualSaturation) * integralOfPower);
 	}
 };
 
@@ -148,14 +128,6 @@ struct LinearCurve : CurveBase {
 	{
 		const bool inside = temperature > frozenTemperature && temperature < freezingTemperature;
 		return inside ? (1.0 - residualSaturation) / span() : 0.0;
-	}
-	double integral(double temperature) const
-	{
-		const double theta = freezingTemperature - temperature;
-		if (theta <= 0.0) return -theta;
-		const double x                  = theta / span();
-		const double integralOfFraction = x < 1.0 ? theta * (1.0 - 0.5 * x) : 0.5 * span();
-		return -(residualSaturation * theta + (1.0 - residualSaturation) * integralOfFraction);
 	}
 };
 
@@ -191,11 +163,6 @@ struct VanGenuchtenCurve : CurveBase {
 		return (1.0 - residualSaturation) * lambda / (1.0 - lambda) * (x / s) * std::pow(1.0 + x, -lambda - 1.0) * suctionCoefficient
 		        / (temperature + zeroCelsius);
 	}
-	double integral(double temperature) const;
-
-private:
-	// Without a closed form the integral is tabulated at undercoolings in geometric progression (S_l is not smooth at T_f).
-	std::vector<double> knots_, integrals_;
 };
 
 /// All pore water but the residual freezes at T_f itself.
@@ -209,11 +176,6 @@ struct SharpCurve : CurveBase {
 	template <class RootBelow> Piece pieceOf(RootBelow&&) const { return { -std::numeric_limits<double>::infinity(), freezingTemperature }; }
 	double                           liquidSaturation(double temperature) const { return temperature >= freezingTemperature ? 1.0 : residualSaturation; }
 	double                           derivative(double) const { return 0.0; }
-	double                           integral(double temperature) const
-	{
-		const double above = temperature - freezingTemperature;
-		return above >= 0.0 ? above : residualSaturation * above;
-	}
 };
 
 /// Measured points, linear in between.
@@ -240,14 +202,6 @@ struct TableCurve : CurveBase {
 		const int k = pointBelow(temperature);
 		return temperature >= freezingTemperature || k < 0 ? 0.0 : slope(k);
 	}
-	double integral(double temperature) const
-	{
-		if (temperature >= freezingTemperature) return temperature - freezingTemperature;
-		const int k = pointBelow(temperature);
-		if (k < 0) return integrals_.front() + residualSaturation * (temperature - points_.front().temperature);
-		const double beyond = temperature - points_[k].temperature;
-		return integrals_[k] + beyond * (points_[k].liquidSaturation + 0.5 * slope(k) * beyond);
-	}
 
 private:
 	/// Place of the last point below a temperature, -1 where there is none.
@@ -263,8 +217,7 @@ private:
 		return (high.liquidSaturation - low.liquidSaturation) / (high.temperature - low.temperature);
 	}
 
-	std::vector<CurvePoint> points_;    ///< the last one is that of T_f
-	std::vector<double>     integrals_; ///< of S_l from T_f to each point [K]
+	std::vector<CurvePoint> points_; ///< the last one is that of T_f
 };
 
 /// Ground that never freezes.
@@ -278,7 +231,6 @@ struct UnfrozenCurve : CurveBase {
 
 	double liquidSaturation(double) const { return 1.0; }
 	double derivative(double) const { return 0.0; }
-	double integral(double temperature) const { return temperature - freezingTemperature; }
 };
 
 } // namespace talik

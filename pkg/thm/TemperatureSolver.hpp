@@ -14,12 +14,11 @@ namespace talik {
 /// Inversion T(H) of many points, written once for every freezing curve so that the curve's own code becomes part of its loops.
 /// Thawed ground is solved in closed form, and so is the sharp curve at T_f; all points below freezing take Newton's steps
 /// together, each inside a bracket of its own that holds the root. A point's result does not depend on its neighbours.
-template <class Curve, EnthalpyForm Form> class TemperatureSolver {
+template <class Curve> class TemperatureSolver {
 public:
-	TemperatureSolver(const EnthalpyFormula& formula, const Curve& curve, double tolerance)
+	TemperatureSolver(const EnthalpyFormula& formula, const Curve& curve)
 	        : formula_(formula)
 	        , curve_(curve)
-	        , tolerance_(tolerance)
 	{}
 
 	/// See EnthalpyModel::temperatures.
@@ -85,7 +84,7 @@ private:
 		double            frozenEdge = thawedEdge;
 		if (Curve::neverFreezes || !std::isfinite(enthalpy)) return store(b, p, nan, nan, { nan, nan, nan, nan });
 		if constexpr (Curve::sharp) {
-			frozenEdge = formula_.at(soil, tf, curve_.residualSaturation, 0.0, -formula_.integralAtReference).enthalpy;
+			frozenEdge = formula_.at(soil, tf, curve_.residualSaturation, 0.0).enthalpy;
 			if (enthalpy >= frozenEdge) return changePhase(b, p, soil, (enthalpy - frozenEdge) / (thawedEdge - frozenEdge));
 		}
 		const int k      = u.count++;
@@ -94,7 +93,7 @@ private:
 		u.waterMass[k]   = soil.waterMass;
 		u.poreVolume[k]  = soil.poreVolume;
 		u.enthalpy[k]    = enthalpy;
-		u.accepted[k]    = tolerance_ * formula_.residualScale(soil);
+		u.accepted[k]    = EnthalpyModel::tolerance * formula_.residualScale(soil);
 		u.high[k]        = tf;
 		u.low[k]         = std::max(tf - (frozenEdge - enthalpy) / formula_.smallestCapacity(soil) - 1e-9, EnthalpyModel::lowestTemperature - 1.0);
 		const double t   = closedForm(soil, enthalpy, std::isfinite(guess) ? guess : tf);
@@ -106,7 +105,7 @@ private:
 	void changePhase(const EnthalpyBatch& b, int p, const SoilContent& soil, double fractionThawed) const
 	{
 		const double                 tf = curve_.freezingTemperature, sr = curve_.residualSaturation;
-		const EnthalpyFormula::Value frozen   = formula_.at(soil, tf, sr, 0.0, 0.0);
+		const EnthalpyFormula::Value frozen   = formula_.at(soil, tf, sr, 0.0);
 		const double                 capacity = frozen.heatCapacity + fractionThawed * (formula_.thawedCapacity(soil) - frozen.heatCapacity);
 		store(b, p, tf, sr + (1.0 - sr) * fractionThawed,
 		      { nan, std::numeric_limits<double>::infinity(), (1.0 - fractionThawed) * frozen.iceMass, capacity });
@@ -133,12 +132,7 @@ private:
 
 	EnthalpyFormula::Value valueAt(const SoilContent& soil, double t) const
 	{
-		return formula_.at<Form>(soil, t, curve_.liquidSaturation(t), curve_.derivative(t), integralTo(t));
-	}
-	double integralTo(double t) const
-	{
-		if constexpr (Form == EnthalpyForm::stateFunction) return 0.0;
-		else return curve_.integral(t) - formula_.integralAtReference;
+		return formula_.at(soil, t, curve_.liquidSaturation(t), curve_.derivative(t));
 	}
 
 	/// Stores what is done and keeps the others, in their order.
@@ -169,11 +163,10 @@ private:
 
 	const EnthalpyFormula formula_;
 	const Curve&          curve_;
-	const double          tolerance_;
 };
 
-template <class Curve, EnthalpyForm Form>
-void TemperatureSolver<Curve, Form>::assumeThawed(const EnthalpyBatch& b, std::size_t first, int count, double (&guess)[most], int (&frozen)[most]) const
+template <class Curve>
+void TemperatureSolver<Curve>::assumeThawed(const EnthalpyBatch& b, std::size_t first, int count, double (&guess)[most], int (&frozen)[most]) const
 {
 	const EnthalpyFormula f  = formula_;
 	const double          tf = curve_.freezingTemperature, lowest = Curve::neverFreezes ? EnthalpyModel::lowestTemperature : tf;
@@ -203,7 +196,7 @@ void TemperatureSolver<Curve, Form>::assumeThawed(const EnthalpyBatch& b, std::s
 	if (b.apparentCapacity) std::copy(capacities, capacities + count, b.apparentCapacity + first);
 }
 
-template <class Curve, EnthalpyForm Form> void TemperatureSolver<Curve, Form>::evaluate(Unsolved& u) const
+template <class Curve> void TemperatureSolver<Curve>::evaluate(Unsolved& u) const
 {
 	const EnthalpyFormula f = formula_;
 	const int             n = u.count;
@@ -211,7 +204,7 @@ template <class Curve, EnthalpyForm Form> void TemperatureSolver<Curve, Form>::e
 	for (int k = 0; k < n; ++k) {
 		const double t        = u.temperature[k];
 		const double sl       = curve_.liquidSaturation(t);
-		const auto   at       = f.template at<Form>(u.soil(k), t, sl, curve_.derivative(t), integralTo(t));
+		const auto   at       = f.at(u.soil(k), t, sl, curve_.derivative(t));
 		u.liquidSaturation[k] = sl;
 		u.reached[k]          = at.enthalpy;
 		u.slope[k]            = at.slope;
@@ -221,7 +214,7 @@ template <class Curve, EnthalpyForm Form> void TemperatureSolver<Curve, Form>::e
 }
 
 /// One step of Newton for those whose enthalpy is not reached yet, halving the bracket where it would lead outside.
-template <class Curve, EnthalpyForm Form> void TemperatureSolver<Curve, Form>::iterate(Unsolved& u) const
+template <class Curve> void TemperatureSolver<Curve>::iterate(Unsolved& u) const
 {
 	constexpr double roundOff = 2.0 * std::numeric_limits<double>::epsilon();
 	const int        n        = u.count;

@@ -35,7 +35,6 @@ shares = (
 	("free surface, heated and drained", "water, heat, freezing, surface", "water, heat, freezing"),
 	("Mohr-Coulomb, record, ledger, stable step", "everything", "water, heat, freezing, surface"),
 )
-resting = (("rigid: heat, freezing, at rest", "rigid: heat, freezing"), ("dry, heat, at rest", "dry, heat"))
 threaded = ("dry", "dry, cell averages", "water, heat, freezing", "everything")
 aims = {"dry": 30, "everything": 65}
 aimsInSpace = {"dry": 90, "everything": 500}
@@ -98,12 +97,6 @@ def effectShares(times):
 		yield Figure(f"share: {effect}", cost, "ns", terms={"of everything": f"{100 * cost / everything:.0f} %"})
 
 
-def savings(times):
-	for asleep, awake in resting:
-		spent, full = (times[name + "/1 thread"] for name in (asleep, awake))
-		yield Figure(f"{asleep}, against awake", spent / full, "x", ceiling=1.0, terms={"at rest [ns]": round(spent, 1), "awake [ns]": round(full, 1)})
-
-
 def switchedOff(folder):
 	"""Dry ground whose effects are switched off against ground that was built without them: neighbours in time."""
 	off, never = ([next(iter(read([path]).values())) for path in sorted(folder.glob(f"{name}-*.json"))] for name in ("off", "never"))
@@ -125,7 +118,6 @@ def main(target, agreementPath, *timesPaths):
 		*switchedOff(pathlib.Path(target).parent),
 		*agreements(agreementPath),
 		*speedUps(times, rounds),
-		*savings(times),
 		*combinations(times),
 		*effectShares(times),
 	]

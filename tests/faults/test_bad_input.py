@@ -136,7 +136,6 @@ wrong = {
 	"region forgotten": (lambda s: ground(boundaries=[wrapper.FixedBoundary()]), "FixedBoundary.region", "''"),
 	"unknown curve": (lambda s: warm(freezing=wrapper.FreezingCurve(curve="step")), "FreezingCurve.curve", "step"),
 	"unknown mean": (lambda s: warm(material=wrapper.GroundMaterial(conductivityMean="median")), "GroundMaterial.conductivityMean", "median"),
-	"unknown latent density": (lambda s: warm(heat=wrapper.HeatTransfer(latentDensity="snow")), "latentDensity", "snow"),
 	"unknown mass coefficient": (lambda s: ground(water=wrapper.PoreWater(massCoefficient="x")), "PoreWater.massCoefficient", "x"),
 	"unknown field": (lambda s: asked(lambda mpm: mpm.field("temprature")), "field", "temprature"),
 	"unknown form of samples": (lambda s: sampled(s, form="closed"), "RveSkeleton.form", "closed"),

@@ -186,7 +186,7 @@ def begin():
 	# with every effect, and samples that are asked now and then; in place of the former one
 	global mpm, keeper, inUse
 	mpm = breakingGround(sample.copy(), spacing=1.0, strainTolerance=2e-3, onBlowUp="isolate", blowUpFolder="")
-	mpm.damping, mpm.resting = 0.5, False
+	mpm.damping, mpm.courantNumber = 0.5, 0.3
 	mpm.watch([0, 1], interval=1e-3)
 	keeper = wrapper.Checkpoint(file="kept", every=0.5)
 	O.engines = [keeper, mpm]

@@ -49,7 +49,6 @@ struct Effects {
 	bool segregation = false; ///< frozen ground draws water to its front
 	bool settlement  = false; ///< thaw strain and compression of soil that has thawed
 	bool oneVelocity = false; ///< no thaw front, where frozen and thawed ground meet
-	bool uniform     = false; ///< one temperature everywhere: heat rests
 	bool lookups     = false; ///< of the stable time step, as often as a run does
 };
 
@@ -102,7 +101,7 @@ template <int D> GroundSettings<D> settingsOf(const Effects& e)
 	return s;
 }
 
-/// Temperature falls from the top to the floor, through the freezing range, and pressure is hydrostatic: nothing rests; unless uniform.
+/// Temperature falls from the top to the floor, through the freezing range, and pressure is hydrostatic.
 template <int D> std::unique_ptr<Ground<D>> groundWith(const Effects& e)
 {
 	auto               ground = std::make_unique<Ground<D>>(settingsOf<D>(e));
@@ -115,7 +114,7 @@ template <int D> std::unique_ptr<Ground<D>> groundWith(const Effects& e)
 			point.position[a] = place.corner[a] + (at[a] + 0.5) * side;
 		point.volume      = std::pow(side, D);
 		point.porosity    = porosity;
-		point.temperature = e.uniform ? -5.0 : -5.0 + 10.0 * point.position[D - 1] / place.size[D - 1];
+		point.temperature = -5.0 + 10.0 * point.position[D - 1] / place.size[D - 1];
 		point.pressure    = 1000.0 * gravity * (place.size[D - 1] - point.position[D - 1]);
 		ground->addPoint(point);
 		for (int a = D - 1; ++at[a] == std::lround(place.size[a] / side) && a > 0; --a)
@@ -279,9 +278,7 @@ std::vector<Combination> combinations()
 		{ "dry, energy ledger", with(dry, &E::ledger) },
 		{ "rigid: heat", with(rigid, &E::heat) },
 		{ "rigid: heat, freezing", with(rigid, &E::heat, &E::freezing) },
-		{ "rigid: heat, freezing, at rest", with(rigid, &E::heat, &E::freezing, &E::uniform) },
 		{ "dry, heat", with(dry, &E::heat) },
-		{ "dry, heat, at rest", with(dry, &E::heat, &E::uniform) },
 		{ "dry, heat, freezing", with(dry, &E::heat, &E::freezing) },
 		{ "dry, heat, freezing, Mohr-Coulomb", with(dry, &E::heat, &E::freezing, &E::plastic, &E::oneVelocity) },
 		{ "dry, heat, freezing, Mohr-Coulomb, thaw front", with(dry, &E::heat, &E::freezing, &E::plastic) },

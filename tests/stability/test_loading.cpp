@@ -99,7 +99,6 @@ TEST(Loading, GravityAndSettingsSwitchedInMidRunWithoutDampingBringNoEnergyOfThe
 		m.localDamping    = part % 4 == 2 ? 0.6 : 0.0;
 		const double step = ground.stableTimeStep().step, infinity = std::numeric_limits<double>::infinity();
 		m.picTime                        = part % 5 == 3 ? 10.0 * step : infinity;
-		ground.settings().resting        = part % 2;
 		ground.settings().water->picTime = part % 2 ? 1.5 * step : infinity;
 		const double before              = total();
 		for (int k = 0; k < 150; ++k) {

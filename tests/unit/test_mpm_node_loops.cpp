@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The loops between points and nodes: vectors against the reference, block by block and in whole grounds, in the plane and in space.
 #include "groundState.hpp"
+#include "ReferenceLoops.hpp"
 
 #include <pkg/mpm/boundary/Boundaries.hpp>
 #include <pkg/mpm/grid/NodeLoops.hpp>

@@ -238,7 +238,6 @@ refused = {
 	),
 	"bad lambda": (dict(**heat, freezing=lambda: FreezingCurve(curve="vanGenuchten", exponent=2)), "FreezingCurve.exponent = 2", "must lie in (0, 1)"),
 	"time backwards for heat": (dict(motion=False, heat=lambda: HeatTransfer(thermalTimeScale=-1)), "HeatTransfer.thermalTimeScale = -1", "must be positive"),
-	"unknown form": (dict(motion=False, heat=lambda: HeatTransfer(enthalpyForm="x")), "HeatTransfer.enthalpyForm = 'x'", "choose one of stateFunction"),
 	"impermeable water": (dict(**motion, water=lambda: PoreWater(conductivity=0)), "PoreWater.conductivity = 0", "must be positive, in m/s"),
 	"negative bulk modulus": (dict(**motion, water=lambda: PoreWater(bulkModulus=-1)), "PoreWater.bulkModulus = -1", "must be positive, in Pa"),
 	"unknown conductivity of frozen ground": (

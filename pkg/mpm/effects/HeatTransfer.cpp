@@ -115,36 +115,6 @@ template <int D> void HeatTransfer<D>::constrain(const Grid<D>& grid, const std:
 	if (!produced_.empty()) volumes.allocate(grid.nodeCount());
 }
 
-template <int D> bool HeatTransfer<D>::receivesNothing(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time) const
-{
-	if (settings->source != 0.0) return false;
-	for (const auto& b : boundaries) {
-		if (b->prescribesTemperature() && b->temperature(time) != reference) return false;
-		if (b->usesNodes() && b->effect() == "heat") return false;
-		if (b->producesHeat() && b->power(time) != 0.0) return false;
-		if (!b->heats()) continue;
-		const SurfaceHeat heat = b->heat(time);
-		if (heat.flux != 0.0 || ((heat.atSurface || heat.coefficient != 0.0) && heat.ambient != reference)) return false;
-	}
-	return true;
-}
-
-template <int D> bool HeatTransfer<D>::haveTemperature(double value, int first, int last) const
-{
-	for (int p = first; p < last; ++p)
-		if (temperature[p] != value) return false;
-	return true;
-}
-
-template <int D> void HeatTransfer<D>::rest(const ActiveRange& range)
-{
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			mapped[i][0] = reference;
-	});
-	if (outside.ownsRecords()) clearOutside(range);
-}
-
 template <int D> void HeatTransfer<D>::map(const WeightBlock<D>& w)
 {
 	if (walls_) mapMoments(w);

@@ -34,16 +34,6 @@ public:
 	/// Fixes the smoothing time from the state of the points, if the settings leave it open.
 	void chooseSmoothing(const Grid<D>& grid, int points);
 
-	/// At the start of a step: nodes count temperatures from that of one point. Ground of one temperature then conducts exactly
-	/// nothing, and its heat may rest without a bit being different.
-	void setReference(double value) { reference = value; }
-	/// True if no source and no boundary would change ground of the reference temperature in a step that ends at time.
-	bool receivesNothing(const std::vector<std::shared_ptr<Boundary<D>>>& boundaries, double time) const;
-	/// True if the points first .. last have this temperature [degC].
-	bool haveTemperature(double value, int first, int last) const;
-	/// What a step without anything to do leaves on the nodes for others.
-	void rest(const ActiveRange& range);
-
 	/// Prepares nodes [first, last) for mapping.
 	void clear(int first, int last)
 	{

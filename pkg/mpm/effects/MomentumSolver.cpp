@@ -588,23 +588,6 @@ template <int D> void MomentumSolver<D>::foldForces(const ActiveRange& range, No
 			if (m.sign[a] < 0.0) force[m.inner][a] -= m.lead * force[m.wall()][a];
 }
 
-template <int D> void MomentumSolver<D>::clearGhosts(const ActiveRange& range, NodeField<D>& values) const
-{
-	for (const auto& m : mirrors_)
-		for (int a = 0; a < D && range.holds(m.ghost); ++a)
-			values[m.ghost][a] = 0.0;
-	for (const NodeImage& image : images_)
-		std::fill_n(values[image.node], D, 0.0);
-}
-
-template <int D> void MomentumSolver<D>::holdWalls(const ActiveRange& range, NodeField<D>& values) const
-{
-	for (const int i : constraints_.constrainedNodes())
-		for (int a = 0; a < D && range.holds(i); ++a)
-			if (constraints_.solidFixed(i, a)) values[i][a] = 0.0;
-	clearGhosts(range, values);
-}
-
 template <int D> void MomentumSolver<D>::unfoldChanges(const ActiveRange& range, NodeField<D>& change) const
 {
 	for (const auto& m : mirrors_)

@@ -73,11 +73,6 @@ public:
 	/// Forces behind walls are folded into the nodes in front of them, and those at walls that are ahead of their nodes act there, too, eq. (8.5).
 	/// beforeMoving: called before a ghost of a moving wall is folded.
 	void foldForces(const ActiveRange& range, NodeField<D>& force, const std::function<void(const Mirror&)>& beforeMoving = {}) const;
-	/// Zero where walls hold the solid, at the ghosts behind them, and at nodes that periodic sides repeat.
-	void holdWalls(const ActiveRange& range, NodeField<D>& values) const;
-	void clearGhosts(const ActiveRange& range, NodeField<D>& values) const;
-	/// As if addLoad() had not been called.
-	void forgetLoads() { loads_.clear(); }
 	/// The transpose of folding, for changes of velocities; nodes that periodic sides repeat get what their originals have.
 	void unfoldChanges(const ActiveRange& range, NodeField<D>& change) const;
 	/// Adds what more force changes of the solved velocities of solid and liquid, and books what walls hold of it. change: what findResponse()

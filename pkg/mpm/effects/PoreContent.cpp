@@ -24,12 +24,11 @@ PoreContent<D>::PoreContent(PointFields& fields, const GroundSettings<D>& settin
 {
 	std::vector<SoilMaterial> given = settings.materials;
 	if (given.empty()) given.emplace_back().mixture = settings.mixture;
-	const HeatSettings heat         = settings.heat.value_or(HeatSettings {});
 	const Permeability permeability = settings.water ? settings.water->permeability : Permeability {};
 	for (const SoilMaterial& m : given)
-		materials_.push_back({ m.mixture, EnthalpyModel(m.mixture, m.freezing ? m.freezing : settings.freezing, heat.enthalpyForm, heat.latentDensity),
-		                       m.permeability.value_or(permeability) });
-	if (settings.water && heat.enthalpyForm == EnthalpyForm::stateFunction)
+		materials_.push_back(
+		        { m.mixture, EnthalpyModel(m.mixture, m.freezing ? m.freezing : settings.freezing), m.permeability.value_or(permeability) });
+	if (settings.water)
 		for (Material& m : materials_)
 			m.enthalpy.letWaterFillPores(settings.water->state.densityChange ? m.mixture.ice.density : m.mixture.liquid.density);
 	solidMass_ = fields.declare("solidMass", "poreContent", "kg", 1);
@@ -227,7 +226,7 @@ template <int D> void PoreContent<D>::meltExcessIce(Block& b, const OfHeat& heat
 	const MixtureProperties& m     = b.of->mixture;
 	const SoilContent        all { solidMass[p], waterMass[p], b.poreVolume[k] };
 	const double             freezing = model.curve().freezingTemperature();
-	const double             perMass  = model.latentHeat() + (m.liquid.specificHeat - m.ice.specificHeat) * (freezing - m.referenceTemperature);
+	const double             perMass  = m.latentHeat + (m.liquid.specificHeat - m.ice.specificHeat) * (freezing - m.referenceTemperature);
 	const double             missing  = model.enthalpy(all, freezing) - heat.enthalpy[p];
 	excessIce_[p]                     = std::clamp(missing / perMass, 0.0, excessIce_[p]);
 	b.ice[k]                          = excessIce_[p];

@@ -305,14 +305,6 @@ template <int D> void PoreWater<D>::drainedForce(const SurfacePatch<D>& patch, d
 			force[n.node][a] += nodal[n.node][Driving::liquidFraction] * (pressureAtNode(n.node) - outside) * n.area[a];
 }
 
-template <int D> bool PoreWater<D>::flows(const ActiveRange& range) const
-{
-	for (int i = range.firstNode; i < range.lastNode; ++i)
-		for (int a = 0; a < D; ++a)
-			if (flux[i][a] != 0.0) return true;
-	return false;
-}
-
 template <int D> void PoreWater<D>::seep(const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
 {
 	typename NodeLoops<D>::Seepage s { flux[0], volume_, {}, nullptr, dt * liquidDensity, 0.0, 0.0, exchange[0] };

@@ -93,8 +93,6 @@ public:
 	/// Completes the force on the liquid, -n_I grad(p - rho_l g.x), but for what lies outside drained surfaces.
 	void liquidForce(const ActiveRange& range);
 	void drainedForce(const SurfacePatch<D>& patch, double pressure);
-	/// True unless the flux is zero at every node: then nothing seeps, and nothing is what seep() would add.
-	bool flows(const ActiveRange& range) const;
 	/// Mass, momentum and, with an enthalpy model, enthalpy that flows in dt.
 	void seep(const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
 	/// What leaves through a drained surface.

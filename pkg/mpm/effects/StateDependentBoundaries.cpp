@@ -69,7 +69,7 @@ void StateDependentBoundaries<D>::add(const StepContext<D>& step, const Item& it
 	numbers_.push_back(node);
 	nodes_.position.push_back(x);
 	if (moving) nodes_.velocity.push_back(v);
-	if (state.heat) nodes_.temperature.push_back(state.uniformTemperature ? state.heat->reference : state.heat->mapped[node][0]);
+	if (state.heat) nodes_.temperature.push_back(state.heat->mapped[node][0]);
 	if (state.water) nodes_.pressure.push_back(state.water->pressureAtNode(node));
 	if (item.boundary->takesVolumes()) return;
 	Vec<D>       normal = surface->patch(item.index).nodes[slot].area;

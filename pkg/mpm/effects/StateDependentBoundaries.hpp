@@ -28,7 +28,6 @@ public:
 	struct State {
 		const SolidMotion<D>*  motion;
 		const HeatTransfer<D>* heat;
-		bool                   uniformTemperature; ///< heat rests: all nodes have its reference temperature
 		const PoreWater<D>*    water;
 	};
 	/// Every boundary sees the state of its nodes and finds its fluxes, before anything of the step is booked. surface: of boundaries that act there.

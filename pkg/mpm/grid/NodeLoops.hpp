@@ -8,9 +8,10 @@
 
 namespace talik {
 
-/// The inner loops between the points of a block and the nodes of their support, in the plane and in space. There is a reference, which
-/// is written to be read, and a vector version for each kind of processor, from one source. Versions for processors that multiply and add
-/// in one rounding (all since 2013) give the same bits, and so do those that round twice; the reference differs by round-off. Arrays of
+/// The inner loops between the points of a block and the nodes of their support, in the plane and in space. There is a vector version for each
+/// kind of processor, from one source, and for the tests a reference that is written to be read (tests/unit/ReferenceLoops.cpp). Versions for
+/// processors that multiply and add in one rounding (all since 2013) give the same bits, and so do those that round twice; the reference differs
+/// by round-off. Arrays of
 /// points are whole arrays, indexed by place; arrays of nodes begin at node 0 and have the records of NodeColumns.
 template <int D> struct NodeLoops {
 	using Columns                 = NodeColumns<D>;
@@ -121,8 +122,6 @@ template <int D> const NodeLoops<D>& nodeLoops();
 /// All ground of dimension D uses these from now on; they must live as long. For tests.
 template <int D> void chooseNodeLoops(const NodeLoops<D>& loops);
 
-/// Written to be read: what the others are tested against.
-template <int D> const NodeLoops<D>& referenceLoops();
 /// All vector versions that this processor can run.
 template <int D> std::vector<const NodeLoops<D>*> vectorLoops();
 /// The best of them.

@@ -125,8 +125,6 @@ namespace HWY_NAMESPACE {
 			if constexpr (D == 2) return numbers(vector[0][k], vector[1][k], 0.0, 0.0);
 			else return numbers(vector[0][k], vector[1][k], vector[2][k], 0.0);
 		}
-		HWY_INLINE Numbers<8> beforeFour(const Numbers<4>& q) { return numbers(q, numbers(0.0, 0.0, 0.0, 0.0)); }
-		HWY_INLINE Numbers<8> behindFour(const Numbers<4>& q) { return numbers(numbers(0.0, 0.0, 0.0, 0.0), q); }
 
 		/// Numbers that a record does not have: they cost nothing.
 		struct Nothing {};
@@ -134,28 +132,6 @@ namespace HWY_NAMESPACE {
 		HWY_INLINE Nothing          added(Nothing, double, Nothing) { return {}; }
 		template <int n> HWY_INLINE Numbers<n> added(Nothing, double, const Numbers<n>& to) { return to; }
 		template <int n> HWY_INLINE Numbers<n> added(const Numbers<n>& q, double s, Nothing) { return scaled(q, s); }
-
-		/// Eight numbers and four behind them.
-		struct TwelveLanes {
-			Numbers<8> first;
-			Numbers<4> last;
-		};
-		HWY_INLINE void load(const double* from, TwelveLanes& q)
-		{
-			load(from, q.first);
-			load(from + 8, q.last);
-		}
-		HWY_INLINE void store(const TwelveLanes& q, double* to)
-		{
-			store(q.first, to);
-			store(q.last, to + 8);
-		}
-		HWY_INLINE TwelveLanes scaled(const TwelveLanes& q, double s) { return { scaled(q.first, s), scaled(q.last, s) }; }
-		HWY_INLINE TwelveLanes added(const TwelveLanes& q, double s, const TwelveLanes& to)
-		{
-			return { added(q.first, s, to.first), added(q.last, s, to.last) };
-		}
-		HWY_INLINE TwelveLanes added(Nothing, double, const TwelveLanes& to) { return to; }
 
 		/// Weights of one point along the first axis: registers, where what is stored in records cannot change them.
 		struct FirstAxis {
@@ -355,14 +331,6 @@ namespace HWY_NAMESPACE {
 			using Moving = typename NodeColumns<D>::Moving;
 			MotionOfBlock<D> b;
 			load<Carried, Added>(w, a, b);
-			if constexpr (D == 3 && mostTogether == 8) {
-				scatterBlock<Numbers<8>>(w, a.nodes, Moving::size, [&](int k) {
-					return Share<3, Numbers<8>, Numbers<8>> { beforeFour(numbers(b.mass[k], b.momentum, k)),
-						                                  { behindFour(numbers(b.force[0], k)), behindFour(numbers(b.force[1], k)),
-						                                    behindFour(numbers(b.force[2], k)) } };
-				});
-				return;
-			}
 			scatterBlock<Numbers<4>>(w, a.nodes, Moving::size, [&](int k) { return shareOf<D>(numbers(b.mass[k], b.momentum, k)); });
 			scatterBlock<Numbers<4>>(w, a.nodes + Moving::force, Moving::size, [&](int k) {
 				if constexpr (D == 2)
@@ -389,23 +357,6 @@ namespace HWY_NAMESPACE {
 			// four numbers with the velocity; in the plane they begin with the change
 			constexpr int    behind = Solved::size - 4, v = Solved::velocity - behind;
 			const Offsets<D> at(w, Solved::size);
-			if constexpr (D == 3 && mostTogether == 8) {
-				for (int k = 0; k < w.count; ++k) {
-					const auto sums = gather<Numbers<8>>(w, k, AllRecords<D, const double>(w, k, nodes, Solved::size, at));
-					double     value[8], slope[D][8];
-					store(sums.value, value);
-					for (int a = 0; a < D; ++a)
-						store(sums.slope[a], slope[a]);
-					b.increment[k] = value[Solved::increment];
-					for (int i = 0; i < D; ++i) {
-						b.change[i][k]   = value[Solved::change + i];
-						b.velocity[i][k] = value[Solved::velocity + i];
-						for (int j = 0; j < D; ++j)
-							b.gradient[i][j][k] = slope[j][Solved::velocity + i];
-					}
-				}
-				return;
-			}
 			for (int k = 0; k < w.count; ++k) {
 				const AllRecords<D, const double> records(w, k, nodes, Solved::size, at);
 				const Sums<Numbers<4>, D>         sums = gather<Numbers<4>>(w, k, records, behind);
@@ -450,12 +401,6 @@ namespace HWY_NAMESPACE {
 
 		template <int D, int n> void mapRecords(const WeightBlock<D>& w, const double (&values)[n][blockSize], double* nodes)
 		{
-			if constexpr (n == 12 && mostTogether == 8) {
-				scatterBlock<TwelveLanes>(w, nodes, n, [&](int k) {
-					return Share<D, TwelveLanes, Nothing> { { numbers<8>(values, k), numbers<4>(values, k, 8) }, {} };
-				});
-				return;
-			}
 			constexpr int together = D == 2 ? n : HWY_MIN(n, mostTogether), rest = n % together;
 			for (int first = 0; first + together <= n; first += together)
 				scatterBlock<Numbers<together>>(w, nodes + first, n, [&](int k) { return shareOf<D>(numbers<together>(values, k, first)); });
@@ -484,17 +429,6 @@ namespace HWY_NAMESPACE {
 		void mapSurface(const WeightBlock<3>& w, const double* volume, const double* conductivity, double* nodes)
 		{
 			using Surface = NodeColumns<3>::Surface;
-			if constexpr (mostTogether == 8) {
-				scatterBlock<Numbers<8>>(w, nodes, Surface::size, [&](int k) {
-					const double v = volume[w.first + k];
-					return Share<3, Numbers<8>, Numbers<8>> {
-						numbers(numbers(0.0, 0.0, 0.0, v), numbers(conductivity ? v * conductivity[w.first + k] : 0.0, 0.0, 0.0, 0.0)),
-						{ beforeFour(numbers(v, 0.0, 0.0, 0.0)), beforeFour(numbers(0.0, v, 0.0, 0.0)),
-						  beforeFour(numbers(0.0, 0.0, v, 0.0)) }
-					};
-				});
-				return;
-			}
 			scatterBlock<Numbers<4>>(w, nodes, Surface::size, [&](int k) {
 				const double v = volume[w.first + k];
 				return Share<3, Numbers<4>, Numbers<4>> { numbers(0.0, 0.0, 0.0, v),
@@ -505,10 +439,22 @@ namespace HWY_NAMESPACE {
 				return shareOf<3>(Numbers<1> { volume[w.first + k] * conductivity[w.first + k] });
 			});
 		}
-		/// The plane keeps the bits that it has always had.
+
+		/// In the plane a record is shorter than a vector.
 		void mapSurface(const WeightBlock<2>& w, const double* volume, const double* conductivity, double* nodes)
 		{
-			referenceLoops<2>().mapSurface(w, volume, conductivity, nodes);
+			using Surface = NodeColumns<2>::Surface;
+			for (int k = 0; k < w.count; ++k) {
+				const double v     = volume[w.first + k];
+				const double kappa = conductivity ? conductivity[w.first + k] : 0.0;
+				overNodes<2>(w, k, [&](int node, double s, const Vec<2>& g) {
+					double* r = nodes + long(node) * Surface::size;
+					for (int i = 0; i < 2; ++i)
+						r[Surface::area + i] += v * g[i];
+					r[Surface::volume] += s * v;
+					r[Surface::conduction] += s * v * kappa;
+				});
+			}
 		}
 
 		/// Slopes of pressure and of temperature, and temperature itself, at the points of a block.
@@ -607,16 +553,6 @@ namespace HWY_NAMESPACE {
 				});
 				return;
 			}
-			if constexpr (Heat && D == 3 && mostTogether == 8) {
-				scatterBlock<Numbers<8>>(w, driven, Driven::size, [&](int k) {
-					return Share<3, Numbers<8>, Numbers<8>> {
-						numbers(numbers(g.pressureSlope, k), numbers(b.produced[k], b.nullSpace[k], 0.0, 0.0)),
-						{ behindFour(numbers(b.flow[0][k], 0.0, 0.0, 0.0)), behindFour(numbers(b.flow[1][k], 0.0, 0.0, 0.0)),
-						  behindFour(numbers(b.flow[2][k], 0.0, 0.0, 0.0)) }
-					};
-				});
-				return;
-			}
 			scatterBlock<Numbers<4>>(w, driven, Driven::size, [&](int k) { return shareOf<D>(numbers(g.pressureSlope, k)); });
 			if constexpr (Heat) scatterHeat(w, driven + Driven::heat, Driven::size, b);
 		}
@@ -657,15 +593,9 @@ namespace HWY_NAMESPACE {
 				heat[k] = s.temperature ? s.specificHeat * s.temperature[w.first + k] + s.enthalpyAtZero : 0.0;
 			}
 			// mass, enthalpy and the first two components of momentum
-			const auto first = [&](int k) { return numbers(1.0, heat[k], s.velocity[0][w.first + k], s.velocity[1][w.first + k]); };
-			if constexpr (D == 3 && mostTogether == 8) {
-				scatterFlow<8>(w, s.exchange, q, [&](int k) { return numbers(first(k), numbers(s.velocity[2][w.first + k], 0.0, 0.0, 0.0)); });
-			} else {
-				scatterFlow<4>(w, s.exchange, q, first);
-				if constexpr (D == 3)
-					scatterFlow<1>(
-					        w, s.exchange + Gathered::momentum + 2, q, [&](int k) { return Numbers<1> { s.velocity[2][w.first + k] }; });
-			}
+			scatterFlow<4>(w, s.exchange, q, [&](int k) { return numbers(1.0, heat[k], s.velocity[0][w.first + k], s.velocity[1][w.first + k]); });
+			if constexpr (D == 3)
+				scatterFlow<1>(w, s.exchange + Gathered::momentum + 2, q, [&](int k) { return Numbers<1> { s.velocity[2][w.first + k] }; });
 		}
 
 		/// n neighbouring numbers.

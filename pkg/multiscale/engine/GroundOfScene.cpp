@@ -34,7 +34,7 @@ namespace {
 		talik::MotionSettings<D> m;
 		m.gravity  = engine.gravity.in<D>("MpmEngine.gravity");
 		m.transfer = talik::velocityTransferFromName(engine.transfer);
-		TALIK_TAKE_ATTRIBUTES(m, engine, (picTime)(bBar)(bBarWeight)(balanceStart))
+		TALIK_TAKE_ATTRIBUTES(m, engine, (picTime)(bBar)(bBarWeight))
 		m.localDamping = engine.damping;
 		return m;
 	}

@@ -428,7 +428,7 @@ void MpmEngine::followAttributes()
 		moving->picTime      = picTime;
 	}
 	groundOfScene->followGravity(*this);
-	TALIK_TAKE_ATTRIBUTES(s, *this, (courantNumber)(heatFraction)(motionFraction)(resting))
+	TALIK_TAKE_ATTRIBUTES(s, *this, (courantNumber)(heatFraction)(motionFraction))
 	if (tolerance != toleranceInForce) followTolerance();
 	if (heat) followHeat();
 	if (motion)

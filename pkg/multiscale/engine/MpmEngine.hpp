@@ -183,9 +183,6 @@ public:
 		((bool,bBarWeight,false,,"B-bar leaves the mean stress of a cell the gradient that the weight of the ground gives it. Without it the rows of a cell at "
 				"the surface carry up to half a row too little and too much, and weak ground drifts there by millimetres. Ground whose stress does not come "
 				"from its weight is hardly changed."))
-		((bool,balanceStart,false,,"At the start the stress of points, as layers.fill gives it, changes by the least with which the ground rests, as it is made "
-				"of points and nodes. The stress of a continuum is off by some per cent of the weight near surfaces. For laws, not samples; needs ground that "
-				"boundaries hold."))
 		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, or gimp (uniform, points a quarter of a cell in half-width)."))
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
 		((vector<shared_ptr<GroundMaterial>>,materials,,,"Materials of a ground of several soils, in place of material; addPoints(material=i), or its name, says "
@@ -223,8 +220,6 @@ public:
 				"on all ranks. none: every rank computes everything. automatic: ground if there are packed samples or 100 000 points, no law in Python, no "
 				"PeriodicBoundary and strips enough; else none, with a message. Without mpirun it affects only laws in Python."))
 		((bool,energyLedger,false,,"Compute the balance of mechanical work and dissipation, see balance()."))
-		((bool,resting,true,,"Effects in equilibrium are skipped until something changes: heat in ground of one temperature that no boundary or source changes, "
-				"seepage of water that nowhere moves through the skeleton. False: they are always computed; results are identical. May be changed while running."))
 		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1. May be changed while running."))
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
 		((talik::PointTable,points,,Attr::hidden,"Points as they were added."))

@@ -92,8 +92,6 @@ talik::HeatSettings HeatTransfer::build() const
 {
 	talik::HeatSettings heat;
 	TALIK_TAKE(heat, *this, TALIK_HEAT_TRANSFER)
-	heat.enthalpyForm  = talik::enthalpyFormFromName(enthalpyForm);
-	heat.latentDensity = talik::latentDensityFromName(latentDensity);
 	return heat;
 }
 

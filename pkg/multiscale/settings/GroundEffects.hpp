@@ -13,9 +13,6 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS(HeatTransfer,Serializable,"Effect of a scene: heat is stored as enthalpy, conducted, and carried by seeping water. Without it "
 			"there is no temperature. Example: MpmEngine(gridSpacing=0.5,heat=HeatTransfer(thermalTimeScale=8.64e5,followsMotion=True)).",
 		TALIK_HEAT_TRANSFER
-		((string,enthalpyForm,"stateFunction",,"stateFunction (exact) or capacityIntegral (latent heat constant, Yu & Zhao eq. 4)."))
-		((string,latentDensity,"ice",,"Density that multiplies the latent heat: ice (the mass that melts) or liquid (as printed in Yu & Zhao eq. 4; 9.9 % more "
-				"heat)."))
 	);
 	// clang-format on
 };

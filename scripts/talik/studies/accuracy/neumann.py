@@ -20,12 +20,12 @@ front = 0.2  # depth that the front reaches [m]
 instants = 40
 
 
-def neumannFront(surface, initial, latentForm="capacityIntegral"):
+def neumannFront(surface, initial, fullPores=False):
 	"""X/sqrt(t) [m/s^0.5] of ground at `initial` < 0 that thaws from a wall at `surface` > 0 [degC]; all pore water is ice first.
 
-	latentForm  capacityIntegral: thawed pores are full of water, eq. (4) of Yu & Zhao; conserved: they hold the mass that the ice had"""
+	fullPores  True: thawed pores are full of water, eq. (4) of Yu & Zhao; False: they hold the mass that the ice had"""
 	density, heat, conduction = (np.array(values) for values in zip(solid, ice, liquid))
-	thawedPart = np.array([1 - porosity, 0, porosity * (ice[0] / liquid[0] if latentForm == "conserved" else 1)])
+	thawedPart = np.array([1 - porosity, 0, porosity * (1 if fullPores else ice[0] / liquid[0])])
 	frozenPart = np.array([1 - porosity, porosity, 0])
 	thawedCapacity, frozenCapacity = ((part * density * heat).sum() for part in (thawedPart, frozenPart))
 	thawedConduction, frozenConduction = (1 - porosity) * solid[2] + porosity * liquid[2], (frozenPart * conduction).sum()
@@ -56,7 +56,7 @@ def thawingColumn(spacing, pointsPerCell, heatFraction, thermalTimeScale):
 		motion=False,
 		heatFraction=heatFraction,
 		material=wrapper.GroundMaterial(solidExpansivity=0, iceExpansivity=0, liquidExpansivity=0),
-		heat=wrapper.HeatTransfer(enthalpyForm="capacityIntegral", thermalTimeScale=thermalTimeScale),
+		heat=wrapper.HeatTransfer(thermalTimeScale=thermalTimeScale),
 		freezing=wrapper.FreezingCurve(curve="sharp", residualSaturation=0),
 		boundaries=[wrapper.WallTemperature(region="bottom", temperature=surface)],
 	)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/mpm/grid/NodeLoops.hpp>
+#include "ReferenceLoops.hpp"
+
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 
 #include <algorithm>
