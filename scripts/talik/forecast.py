@@ -331,6 +331,9 @@ class ProbabilityMap:
 	runs: int
 	inPlan: bool = False
 
+	def _repr_png_(self):
+		return self.draw()._repr_png_() if self.place.shape[1] == 2 else None
+
 	def draw(self):
 		"""Figure: the probability, and the width of its interval of confidence. Of ground in space a map in plan can be drawn."""
 		if self.place.shape[1] == 3:

@@ -7,6 +7,7 @@ Points:  slopeField, markPoints; isolines, thawFront and profile return what the
 Sample:  forceChains, sampleForces, normalRose, stressPath, bondHistory
 """
 
+import io
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
@@ -49,11 +50,20 @@ rising = ("deviatoricStrain",)  # fields whose bands widen with their values, 1 
 symmetric = ("temperature", "settlement")  # fields whose colours are centred on 0
 
 
+class _Figure(Figure):
+	"""A figure that a notebook shows."""
+
+	def _repr_png_(self):
+		picture = io.BytesIO()
+		self.savefig(picture, format="png", dpi=100)
+		return picture.getvalue()
+
+
 def figure(width, height):
-	"""A figure of width x height inches that needs no display; add axes with fig.subplots(...).
+	"""A figure of width x height inches that needs no display; add axes with fig.subplots(...). A notebook shows it where it ends a cell.
 
 	>>> axes = talik.plots.figure(6, 4).subplots()"""
-	return Figure(figsize=(width, height), layout="constrained")
+	return _Figure(figsize=(width, height), layout="constrained")
 
 
 def save(fig, path, dpi=150):

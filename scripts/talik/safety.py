@@ -85,6 +85,9 @@ class Safety:
 		stood, failed = self.bracket
 		return f"factor of safety {self.factor:.2f}: the ground stands with its strength over {stood:.3f} and fails with {failed:.3f}"
 
+	def _repr_png_(self):
+		return self.draw()._repr_png_()
+
 	def draw(self, circle=None):
 		"""Figure: shear strain and direction of motion in the trial that failed, and displacement over the factor. circle: of bishop, for comparison."""
 		from talik import plots

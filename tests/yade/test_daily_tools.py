@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Outlines cut by lines, thermal spin-up, points over time as CSV, parameter studies, a pushed wall."""
 
+import os
+import re
+import shutil
+import subprocess
+
 import numpy as np
 import pytest
 from yade import O, wrapper
@@ -240,3 +245,34 @@ def test_fill_returns_the_ids_of_the_points_that_it_adds():
 	second = talik.geometry.fill(mpm, talik.geometry.rectangle(0, 1, 2, 2))
 	print(f"ids {first[0]} to {first[-1]} and {second[0]} to {second[-1]}")
 	assert [*first, *second] == list(range(mpm.pointCount)) and (mpm.field("position")[second, 1] > 1).all()
+
+
+notebook = """
+from IPython.core.interactiveshell import InteractiveShell
+shell = InteractiveShell.instance()
+for cell in ("from yadeimport import *", "import talik", code):
+	result = shell.run_cell(cell)
+	result.raise_error()
+print("STEPS", shell.user_ns["O"].iter)
+shown, _ = shell.display_formatter.format(result.result)
+print("SHOWN", sorted(shown), len(shown.get("image/png", b"")))
+"""
+cells = """
+mpm = MpmEngine(gridSpacing=0.5, gravity=(0, -9.81), skeleton=ElasticSkeleton(), boundaries=[FixedBoundary(region="bottom")])
+added = talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 1, 1))
+O.engines = [mpm]
+O.run(10, True)
+figure = talik.plots.figure(4, 3)
+drawn = talik.plots.ground(figure.subplots(), talik.output.allFields(mpm), "displacement")
+figure
+"""
+
+
+def test_a_notebook_runs_yade_as_a_module_and_shows_figures(tmp_path):
+	"""By IPython, which runs the cells of Jupyter."""
+	(tmp_path / "yadeimport.py").symlink_to(shutil.which("yade"))
+	(tmp_path / "cells.py").write_text(f"code = {cells!r}\n{notebook}")
+	run = subprocess.run(["/usr/bin/python3", "cells.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120, env=dict(os.environ))
+	print("\n".join(line for line in run.stdout.splitlines() if line.startswith(("STEPS", "SHOWN"))))
+	size = re.search(r"SHOWN \['image/png', 'text/plain'\] (\d+)", run.stdout)
+	assert "STEPS 10" in run.stdout and size and int(size.group(1)) > 1000, run.stdout + run.stderr
