@@ -276,3 +276,15 @@ def test_a_notebook_runs_yade_as_a_module_and_shows_figures(tmp_path):
 	print("\n".join(line for line in run.stdout.splitlines() if line.startswith(("STEPS", "SHOWN"))))
 	size = re.search(r"SHOWN \['image/png', 'text/plain'\] (\d+)", run.stdout)
 	assert "STEPS 10" in run.stdout and size and int(size.group(1)) > 1000, run.stdout + run.stderr
+
+
+def test_import_talik_loads_none_of_its_tools_and_no_package(tmp_path):
+	"""What they need is loaded when they are first used: the start of a script is that of YADE."""
+	(tmp_path / "start.py").write_text(
+		"import sys, time\nbefore, began = set(sys.modules), time.process_time()\nimport talik\n"
+		"print('LOADED', time.process_time() - began, *(set(sys.modules) - before))"
+	)
+	run = subprocess.run(["yade", "-n", "-x", "start.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60, env=dict(os.environ))
+	_, time, *loaded = re.search(r"LOADED .*", run.stdout).group(0).split()
+	print(f"import talik takes {1e3 * float(time):.0f} ms of processor time and loads {len(loaded)} modules: {', '.join(sorted(loaded))}")
+	assert all(name.startswith("talik") for name in loaded) and len(loaded) < 20
