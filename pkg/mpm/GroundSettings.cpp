@@ -125,20 +125,10 @@ template <int D> void checkSegregation(const GroundSettings<D>& s)
 	s.segregation->validate("segregation.");
 }
 
-/// Pores with little water are those of drained ground, which the rate form of pressure does not know.
+/// With water pores are never quite dry, as in drained ground: a point keeps some liquid.
 template <int D> static void requireFill(const GroundSettings<D>& s, const std::string& attribute, double fill)
 {
-	const bool rate = s.water && s.water->state.massCoefficient == MassCoefficient::printed;
-	requireSetting(
-	        fill
-	                        >= (rate              ? 1.0
-	                                    : s.water ? 0.01
-	                                              : 0.0)
-	                && fill <= 1.0,
-	        attribute, fill,
-	        rate              ? "must be 1 with PoreWater.massCoefficient = printed; use exact"
-	                : s.water ? "must lie in [0.01, 1] with water"
-	                          : "must lie in [0, 1]");
+	requireSetting(fill >= (s.water ? 0.01 : 0.0) && fill <= 1.0, attribute, fill, s.water ? "must lie in [0.01, 1] with water" : "must lie in [0, 1]");
 }
 
 template <int D> void checkSettings(const GroundSettings<D>& s)

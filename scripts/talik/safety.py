@@ -228,9 +228,9 @@ def _ground(state, laws, factor):
 		ground.water = copy.deepcopy(state.water)
 		ground.water.pressure, ground.water.massCoefficient, ground.water.bulkModulus, ground.water.iceBulkModulus = "explicit", "printed", bulk, bulk
 		ground.water.hydraulicTimeScale = 1e-11
+		fields["poreFill"] = np.clip(state.field("waterMass") / _full(state, fields), 0.01, 1)
 	elif state.heat is not None:
-		full = fields["porosity"] * fields["volume"] * _fillDensity(state)
-		fields["poreFill"] = np.clip((state.field("mass") - state.field("solidMass")) / full, 0, 1)
+		fields["poreFill"] = np.clip((state.field("mass") - state.field("solidMass")) / _full(state, fields), 0, 1)
 	else:
 		fields["porosity"] = 1 - state.field("mass") / (fields["volume"] * _solidDensity(state))
 		fields["poreFill"] = 0.0
@@ -256,11 +256,11 @@ def _solidDensity(state):
 	return np.array([soil.solidDensity for soil in soils])[state.materialOf]
 
 
-def _fillDensity(state):
-	"""Of what fills the pores of each point [kg/m3]."""
+def _full(state, fields):
+	"""Water and ice of each point if it were full [kg]."""
 	soil = state.materials[0] if state.materials else state.material
 	ice = state.field("iceSaturation") if state.freezing is not None else 0.0
-	return (1 - ice) * soil.liquidDensity + ice * soil.iceDensity
+	return fields["porosity"] * fields["volume"] * ((1 - ice) * soil.liquidDensity + ice * soil.iceDensity)
 
 
 def _over(law, factor, stiffer):

@@ -140,7 +140,11 @@ def infiniteColumn(mpm, angle, layers, waterDepth=math.inf, lateralRatio=1.0, po
 		return liquid * across * np.maximum(0.0, total - waterDepth - y) if mpm.water is not None else 0 * y
 
 	def stress(x, y):
-		mass = sum(d * np.clip(b + layer["thickness"] - y, 0, layer["thickness"]) for d, b, layer in zip(densities, base, layers.values()))
+		mass = 0 * y
+		for (dry, wet), b, layer in zip(densities, base, layers.values()):
+			top = b + layer["thickness"]
+			mass = mass + dry * np.clip(top - y, 0, layer["thickness"])
+			mass = mass + (wet - dry) * np.clip(np.minimum(top, total - waterDepth) - np.maximum(y, b), 0, None)
 		normal = np.minimum(0.0, pressure(x, y) - mass * across)
 		return np.stack([lateralRatio * normal, normal, lateralRatio * normal, mass * along], axis=1)
 
@@ -150,7 +154,10 @@ def infiniteColumn(mpm, angle, layers, waterDepth=math.inf, lateralRatio=1.0, po
 		bySample = _hasSamples(layer.get("skeleton", mpm.skeleton))  # whose stress is theirs, see settle
 		placed[name] = dict(polygon=outline, **({} if bySample else dict(stress=stress)), **({} if mpm.water is None else dict(pressure=pressure)))
 		placed[name].update({key: value for key, value in layer.items() if key != "thickness"})
-	densities = [groundLayers._density(mpm, layer) for layer in placed.values()]
+	densities = [(groundLayers._density(mpm, layer), groundLayers._density(mpm, {**layer, "poreFill": 1.0})) for layer in placed.values()]
+	for layer in placed.values():
+		if "poreFill" in layer:
+			layer["poreFill"] = groundLayers._fullBelow(lambda x: total - waterDepth, layer["poreFill"])
 	return groundLayers.fill(mpm, placed, pointsPerCell)
 
 

@@ -245,11 +245,6 @@ refused = {
 		"PoreWater.relativeConductivity = 'x'",
 		"choose one of impedance",
 	),
-	"partly filled pores with the rate form of pressure": (
-		dict(**motion, water=lambda: PoreWater(massCoefficient="printed"), poreFill=0.5),
-		"poreFill = 0.5",
-		"must be 1 with PoreWater.massCoefficient = printed",
-	),
 	"ice heavier than water": (dict(**heat, material=lambda: GroundMaterial(iceDensity=1100)), "GroundMaterial.iceDensity = 1100", "must not exceed"),
 	"negative stiffness": (dict(skeleton=lambda: ElasticSkeleton(young=-1)), "ElasticSkeleton.young = -1", "must be positive, in Pa"),
 	"incompressible skeleton": (dict(skeleton=lambda: ElasticSkeleton(poisson=0.5)), "ElasticSkeleton.poisson = 0.5", "must lie in"),

@@ -89,7 +89,7 @@ public:
 		((Real,iceBulkModulus,NaN,,"Bulk modulus of ice K_i [Pa], > 0; NaN: four times that of water."))
 		((Real,cavitationPressure,0,,"p_cav [Pa], <= 0: lowest pressure. A gap opens there, which has to close before the pressure rises again."))
 		((bool,zetaActive,true,,"Water expands as it freezes. False: phase change drives no flow (density of ice kept in inertia and heat)."))
-		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison."))
+		((string,massCoefficient,"exact",,"exact: 1 - zeta S_i; printed: 1 - zeta n_i as in Yu & Zhao eq. (3), for comparison; all pores count as full."))
 		((Real,picTime,NaN,,"Time in which the difference between the liquid velocity of a point and that of the grid dies out [s], >= 0, see MpmEngine.picTime; "
 				"NaN: sqrt(h/g), but no longer than the 12.5 ms of its inertia where seepage is accelerated."))
 	);
