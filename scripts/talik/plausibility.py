@@ -378,6 +378,31 @@ def samples(mpm):
 # ---- in a run --------------------------------------------------------------------------------------------------------------
 
 
+def ofCalendar(mpm, step, reach):
+	"""Tables of which nothing is left after one step were probably meant in seconds of motion, or in days; water faster than the grains hold. A list.
+
+	step   of the ground [s]
+	reach  calendar time that one step may take for the sake of heat [s]"""
+	water, heat, found = mpm.water, mpm.heat, []
+	scale = mpm.calendar["seepageScale"] if water else 1
+	if scale < 1 and not water.hydraulicTimeScale < 1 and not (heat and heat.thermalTimeScale < 1):
+		found.append(
+			f"PoreWater.conductivity is {water.conductivity:g} m/s, {water.conductivity * scale:g} m/s is used: pressure in this ground rests within a "
+			"fraction of a second with it, with more the water would swing."
+		)
+	slow = min(heat.thermalTimeScale * step if heat else step, reach if heat and heat.followsMotion else math.inf)
+	for number, boundary in enumerate(mpm.boundaries):
+		times = boundary.times
+		if len(times) < 2 or not 0 < times[-1] < slow:
+			continue
+		scaled = f", and one second of motion is {heat.thermalTimeScale:g} s of the calendar" if heat and heat.thermalTimeScale != 1 else ""
+		found.append(
+			f"MpmEngine.boundaries[{number}], {type(boundary).__name__}.times ends at {times[-1]:g} s of calendar time, within the first step of {slow:g} s; "
+			f"days are given as days * talik.day{scaled}."
+		)
+	return found
+
+
 def lensThatParts(mpm):
 	"""A lens grows along the gradient of temperature and draws its points apart in that direction. Farther apart than a cell is wide they leave cells
 	between them without points. What is to be said of the first such point; empty if there is none."""

@@ -44,7 +44,7 @@ bool MpmEngine::isAsSet() const
 {
 	if (settingsWhenMade != settingsChanged) return false;
 	try {
-		checkFixed();
+		groundOfScene->checkBox(*this);
 	} catch (const std::invalid_argument&) {
 		return false;
 	}
@@ -136,46 +136,17 @@ vector<talik::SoilMaterial> MpmEngine::soils() const
 	return list;
 }
 
-void MpmEngine::checkMaterials() const
+void MpmEngine::checkPresence()
 {
-	if (!material) throw std::invalid_argument("MpmEngine.material is None: give a GroundMaterial().");
-	for (const auto& m : materials)
-		if (!m) throw std::invalid_argument("MpmEngine.materials holds None: give materials only.");
-	if (!materials.empty() && (material->isOwnSoil() || !material->hasDefaultPhases()))
-		throw std::invalid_argument("MpmEngine.material and MpmEngine.materials are both set: put all of them into materials.");
-	std::set<string> names;
-	for (const auto& m : materials)
-		if (!m->name.empty() && !names.insert(m->name).second)
-			throw std::invalid_argument("MpmEngine.materials has two materials named '" + m->name + "': give each a name of its own.");
+	talik::velocityTransferFromName(transfer);
+	{
+		const talik::PythonLock held;
+		const string            refusal = py::extract<string>(talik::callPython("talik._refusals", "ofGround", py::ptr(this)));
+		if (!refusal.empty()) throw std::invalid_argument(refusal);
+	}
+	if (freezing && water) freezing->requireLiquid("");
 	for (const auto& m : activeMaterials())
 		if (m->freezing && water) m->freezing->requireLiquid(" of material '" + m->name + "'");
-}
-
-void MpmEngine::checkPresence() const
-{
-	if (pointCount() == 0)
-		throw std::invalid_argument(
-		        "MpmEngine has no material points: fill it with talik.geometry.fill(mpm, polygon) or mpm.addPoints(…) before the first step.");
-	if (!(gridSpacing > 0)) throw std::invalid_argument("MpmEngine.gridSpacing is " + talik::asText(gridSpacing) + ": give a positive spacing in m.");
-	checkMaterials();
-	if (freezing && !heat) throw std::invalid_argument("MpmEngine.freezing is set but heat is None: add heat=HeatTransfer().");
-	if (freezing && water) freezing->requireLiquid("");
-	if (bodies && !motion)
-		throw std::invalid_argument("MpmEngine.bodies is set but motion is False: bodies push only ground that may move; set motion=True.");
-	if (water && !motion)
-		throw std::invalid_argument("MpmEngine.water is set but motion is False: water moves only in ground that may move; set motion=True.");
-	const bool otherTransfer = talik::velocityTransferFromName(transfer) != talik::VelocityTransfer::flip;
-	if (otherTransfer && !motion)
-		throw std::invalid_argument(
-		        "MpmEngine.transfer is '" + transfer + "' but motion is False: rigid ground has no velocity to transfer; leave it out.");
-	if (motion && activeSkeletons().empty())
-		throw std::invalid_argument("MpmEngine.skeleton is None: ground that moves needs one, e.g. skeleton=ElasticSkeleton(); or set motion=False.");
-	for (const auto& law : activeSkeletons())
-		if (!law) throw std::invalid_argument("MpmEngine.skeletons holds None: give skeleton laws only.");
-	for (const auto& boundary : boundaries)
-		if (!boundary) throw std::invalid_argument("MpmEngine.boundaries holds None: give boundaries only.");
-	if (!effects.empty() && !motion)
-		throw std::invalid_argument("MpmEngine.effects is set but motion is False: they act on ground that moves; set motion=True.");
 	checkChangeable();
 }
 
@@ -206,17 +177,13 @@ void MpmEngine::initialise()
 	begun             = false;
 	checkPresence();
 	shareAmongRanks();
-	boundaryCount     = boundaries.size();
-	materialCount     = materials.size();
-	effectCount       = effects.size();
-	groundOfScene     = GroundOfScene::make(*this, usedDimension(), goesOn);
-	ground            = &groundOfScene->ground();
-	settingsWhenMade  = settingsChanged;
-	stepsUntilLimit   = 0;
-	bodiesNamed       = false;
-	stableStep        = 0;
-	toleranceInForce  = tolerance;
-	distributeInForce = distribute;
+	groundOfScene    = GroundOfScene::make(*this, usedDimension(), goesOn);
+	ground           = &groundOfScene->ground();
+	settingsWhenMade = settingsChanged;
+	stepsUntilLimit  = 0;
+	bodiesNamed      = false;
+	stableStep       = 0;
+	toleranceInForce = tolerance;
 	try {
 		if (mayBeInSlabs()) ground->distribute(talik::jobCommunicator(), distribute == "ground");
 		ground->initialise();
@@ -357,29 +324,13 @@ talik::AnyGround& MpmEngine::runningGround()
 	return *ground;
 }
 
-/// Tables of which nothing is left after one step were probably meant in seconds of motion, or in days; water faster than the grains hold.
 void MpmEngine::warnOfCalendar()
 {
-	if (water && ground->seepageScale() < 1 && !(water->hydraulicTimeScale < 1) && !(heat && heat->thermalTimeScale < 1)) {
-		std::ostringstream text;
-		text << "Talik warns: PoreWater.conductivity is " << water->conductivity << " m/s, " << water->conductivity * ground->seepageScale()
-		     << " m/s is used: pressure in this ground rests within a fraction of a second with it, with more the water would swing.";
-		say(text.str());
-	}
-	const double step = ground->stableTimeStep().step;
-	const auto&  c    = ground->calendar();
-	const double slow = std::min(
-	        heat ? heat->thermalTimeScale * step : step, heat && heat->followsMotion ? c.reach : std::numeric_limits<double>::infinity());
-	for (std::size_t i = 0; i < boundaries.size(); ++i) {
-		const auto& b = *boundaries[i];
-		if (b.times.size() < 2 || !(b.times.back() > 0) || !(b.times.back() < slow)) continue;
-		std::ostringstream text;
-		text << "Talik warns: MpmEngine.boundaries[" << i << "], " << b.getClassName() << ".times ends at " << b.times.back()
-		     << " s of calendar time, within the first step of " << slow << " s; days are given as days * talik.day";
-		if (heat && heat->thermalTimeScale != 1) text << ", and one second of motion is " << heat->thermalTimeScale << " s of the calendar";
-		text << ".";
-		say(text.str());
-	}
+	const talik::PythonLock held;
+	const double            step      = ground->stableTimeStep().step;
+	const py::object        sentences = talik::callPython("talik.plausibility", "ofCalendar", py::ptr(this), step, ground->calendar().reach);
+	for (py::stl_input_iterator<string> sentence(sentences), end; sentence != end; ++sentence)
+		say("Talik warns: " + *sentence);
 }
 
 namespace {
@@ -388,39 +339,9 @@ namespace {
 
 // ---- the step --------------------------------------------------------------------------------------------------------------
 
-/// Attributes of this engine that C++ or an archive has changed since the ground was built; changes by a script are refused before, in guards/attributes.py.
-void MpmEngine::checkFixed() const
-{
-	const auto& s       = ground->commonSettings();
-	const auto  require = [](bool same, const char* name, const string& value) {
-                if (!same)
-                        throw std::invalid_argument(
-			         "MpmEngine." + string(name) + " is now " + value
-			         + ", which the running ground cannot follow: set it back, or give the points to another engine.");
-	};
-	const auto        effect = [&](bool had, bool has, const char* name) { require(had == has, name, has ? "there" : "None"); };
-	const auto* const built  = ground->motionSettings();
-	require(bool(built) == motion, "motion", motion ? "True" : "False");
-	require(dimension == 0 || dimension == ground->dimension(), "dimension", std::to_string(dimension));
-	effect(bool(s.heat), bool(heat), "heat");
-	effect(bool(s.freezing), bool(freezing), "freezing");
-	effect(bool(s.water), bool(water), "water");
-	effect(bool(s.segregation), bool(segregation), "segregation");
-	effect(bool(s.bodies), bool(bodies), "bodies");
-	effect(bool(s.thawFront), bool(thawFront), "thawFront");
-	require(distribute == distributeInForce, "distribute", distribute);
-	require(s.gridSpacing == gridSpacing, "gridSpacing", talik::asText(gridSpacing));
-	groundOfScene->checkBox(*this);
-	require(s.shapeFunction == shapeFunction, "shapeFunction", shapeFunction);
-	require(!built || built->transfer == talik::velocityTransferFromName(transfer), "transfer", transfer);
-	require(materialCount == materials.size(), "materials", "a list of " + std::to_string(materials.size()));
-	require(effectCount == effects.size(), "effects", "a list of " + std::to_string(effects.size()));
-	require(boundaryCount == boundaries.size(), "boundaries", "a list of " + std::to_string(boundaries.size()));
-}
-
 void MpmEngine::followAttributes()
 {
-	checkFixed();
+	groundOfScene->checkBox(*this); // a component of a corner may have been set; changes of attributes are refused in guards/attributes.py
 	checkChangeable();
 	auto& s = ground->commonSettings();
 	if (auto* const moving = ground->motionSettings()) {

@@ -90,11 +90,9 @@ public:
 private:
 	static std::atomic<std::uint64_t> settingsChanged; ///< how often, by scripts, in all scenes
 
-	void                            checkPresence() const;
+	void                            checkPresence();
 	void                            checkEngines() const;
-	void                            checkMaterials() const;
 	void                            checkChangeable() const;
-	void                            checkFixed() const;
 	bool                            isAsSet() const;
 	void                            discardGround();
 	void                            dropGround();
@@ -138,8 +136,7 @@ private:
 	void                            recordWatched();
 
 	std::shared_ptr<GroundOfScene> groundOfScene;
-	talik::AnyGround*              ground        = nullptr;                               ///< that of groundOfScene
-	std::size_t                    boundaryCount = 0, materialCount = 0, effectCount = 0; ///< with which the ground was built
+	talik::AnyGround*              ground          = nullptr; ///< that of groundOfScene
 	long                           stepsUntilLimit = 0, stepsAtStart = 0;
 	long                           nextComparison = 0;     ///< step from which on the ranks compare their ground again
 	bool                           bodiesNamed    = false; ///< boundaries have found the bodies that they name
@@ -151,9 +148,8 @@ private:
 	long                           failures         = 0;
 	double                         stableStep       = 0;
 	double                         toleranceInForce = 0;
-	string                         distributeInForce;
-	bool                           worthSlabs = false; ///< however small the ground is
-	talik::CheckpointParts::Source parts;              ///< of a state that was read and has not begun
+	bool                           worthSlabs       = false; ///< however small the ground is
+	talik::CheckpointParts::Source parts;                    ///< of a state that was read and has not begun
 
 public:
 	// clang-format off

@@ -34,28 +34,21 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 	return s;
 }
 
-void RveSkeleton::checkScheduling() const
-{
-	constexpr AttributeRefusal require { "RveSkeleton" };
-	if (onBlowUp != "stop" && onBlowUp != "isolate") throw std::invalid_argument("RveSkeleton.onBlowUp is '" + onBlowUp + "': choose stop or isolate.");
-	require(threads >= 0, "threads", threads, "give 0 or more.");
-	require(strainTolerance >= 0, "strainTolerance", strainTolerance, "give a finite strain, 0 or more.");
-	require(saturationTolerance >= 0, "saturationTolerance", saturationTolerance, "give a finite saturation, 0 or more.");
-	require(stressTolerance >= 0, "stressTolerance", stressTolerance, "give a finite relative error, 0 or more.");
-	require(maxInertialNumber > 0, "maxInertialNumber", maxInertialNumber, "give a positive number, e.g. 5e-3.");
-	require(maxStrainPerStep > 0, "maxStrainPerStep", maxStrainPerStep, "give a positive number, e.g. 1e-5.");
-	require(creepInterval >= 0, "creepInterval", creepInterval, "give a calendar time in s, 0 or more.");
-	if (!std::isnan(slipFriction)) require(slipFriction >= 0, "slipFriction", slipFriction, "give 0 or more, or nan: it is measured on the samples.");
-	require(slipCohesion >= 0, "slipCohesion", slipCohesion, "give a stress in Pa, 0 or more.");
-	require(minSteps >= 1, "minSteps", minSteps, "give 1 or more.");
-	if (device != "cpu" && device != "gpu" && device != "auto" && device != "twin")
-		throw std::invalid_argument("RveSkeleton.device is '" + device + "': choose cpu, gpu, auto or twin.");
-}
+namespace {
+	void refuse(const py::object& sentence)
+	{
+		const string words = py::extract<string>(sentence);
+		if (!words.empty()) throw std::invalid_argument(words);
+	}
+} // namespace
 
 void RveSkeleton::followAttributes()
 {
 	if (running().scheduling().threads == threads && deviceInUse == device) return;
-	checkScheduling();
+	{
+		const talik::PythonLock held;
+		refuse(talik::callPython("talik._refusals", "ofScheduling", py::ptr(this)));
+	}
 	running().scheduling().threads = threads;
 	if (deviceInUse != device) std::visit([this](auto& stores) { useDevice(stores); }, now);
 }
@@ -80,23 +73,11 @@ bool RveSkeleton::bondsCarryMoments() const
 	        || std::any_of(scenes.begin(), scenes.end(), [](const auto& scene) { return talik::bondsCarryMoments(*scene); });
 }
 
-void RveSkeleton::checkSettings(int pointCount) const
+void RveSkeleton::checkSettings(int pointCount)
 {
-	checkScheduling();
-	if (form != "packed" && form != "open") throw std::invalid_argument("RveSkeleton.form is '" + form + "': choose packed or open.");
-	for (const auto& sample : samples)
-		if (!sample) throw std::invalid_argument("RveSkeleton.samples holds None: give RveSamples only.");
-	for (const auto& scene : scenes) {
-		if (!scene) throw std::invalid_argument("RveSkeleton.scenes holds None: give Scenes only.");
-		if (scene == Omega::instance().getScene())
-			throw std::invalid_argument("RveSkeleton.scenes holds the current scene: load a sample in a scene of its own, see talik.scratchScene.");
-	}
+	const talik::PythonLock held;
+	refuse(talik::callPython("talik._refusals", "ofSamples", py::ptr(this), pointCount));
 	if (iceCreep && bondsCarryMoments()) throw std::invalid_argument("RveSkeleton.iceCreep: " + string(talik::momentsDoNotCreep));
-	if (seed < 0) throw std::invalid_argument("RveSkeleton.seed is " + std::to_string(seed) + ": give a whole number, 0 or more.");
-	if (!sampleOf.empty() && int(sampleOf.size()) != pointCount)
-		throw std::invalid_argument(
-		        "RveSkeleton.sampleOf has " + std::to_string(sampleOf.size()) + " numbers for " + std::to_string(pointCount)
-		        + " points: give one per point, or none.");
 }
 
 namespace {

@@ -67,8 +67,7 @@ private:
 	/// Calls it with the samples of the run.
 	template <class Visitor> decltype(auto) withStores(Visitor&& visitor) const { return std::visit(std::forward<Visitor>(visitor), now); }
 	talik::SampleScheduling                 scheduling() const;
-	void                                    checkScheduling() const;
-	void                                    checkSettings(int pointCount) const;
+	void                                    checkSettings(int pointCount);
 	bool                                    bondsCarryMoments() const;
 	void                                    keepBlownUp(int id) const;
 	string                                  reasonAgainstPacking(int dimension) const;

@@ -28,17 +28,6 @@ bool GroundMaterial::isOwnSoil() const
 	return freezing || segregation || settles || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
 }
 
-bool GroundMaterial::hasDefaultPhases() const
-{
-	const auto values = [](const GroundMaterial& m) {
-		return std::tie(
-		        m.solidDensity, m.iceDensity, m.liquidDensity, m.solidSpecificHeat, m.iceSpecificHeat, m.liquidSpecificHeat, m.solidConductivity,
-		        m.iceConductivity, m.liquidConductivity, m.solidExpansivity, m.iceExpansivity, m.liquidExpansivity, m.latentHeat, m.conductivityMean);
-	};
-	const GroundMaterial byDefault;
-	return values(*this) == values(byDefault);
-}
-
 talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const PoreWater* water) const
 {
 	const auto require = [](bool valid, const char* attribute, Real value, const char* remedy) {

@@ -130,8 +130,6 @@ public:
 	talik::SoilMaterial soil(const FreezingCurve* ofScene, const PoreWater* water) const;
 	/// True if it has a freezing curve, a conductivity, a thaw strain or a compression of its own.
 	bool isOwnSoil() const;
-	/// True if its phases are the default ones.
-	bool hasDefaultPhases() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(GroundMaterial,Serializable,"Soil grains, ice and liquid water of saturated ground; defaults are those of Yu & Zhao, section 3. "
 			"MpmEngine.materials lists several, with the same densities, specific heats, expansivities and latent heat of ice and liquid. "
