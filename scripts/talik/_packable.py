@@ -23,6 +23,29 @@ def reason(cell, bodies, engines, contacts):
 	return found or _ofContactLaw(engines) or _ofIntegrator(engines, cell) or _ofContacts(contacts, bodies[0].material)
 
 
+def againstSample(cell, engines, bodies, timeStep):
+	"""Why a scene cannot be a sample that runs open, whatever its grains and laws; empty if nothing is known."""
+	if cell is None:
+		return "it has no periodic cell"
+	if not timeStep > 0:
+		return "its time step is not positive"
+	if cell.homoDeform != 2:
+		return f"its cell has homoDeform={cell.homoDeform} instead of 2"
+	if not bodies:
+		return "it has no bodies"
+	refused = (
+		(wrapper.PeriodicEngine, "would act in YADE's current scene (remove it)"),
+		(wrapper.TimeStepper, "would change the time step while a strain is applied (remove it, set dt)"),
+		(wrapper.BoundaryController, "would move the cell as well (remove it or set dead=True)"),
+	)
+	alive = [engine for engine in engines if not engine.dead]
+	for engine in alive:
+		for kind, does in refused:
+			if isinstance(engine, kind):
+				return f"its {type(engine).__name__} {does}"
+	return "" if any(isinstance(engine, wrapper.NewtonIntegrator) for engine in alive) else "it has no NewtonIntegrator"
+
+
 def _ofCell(cell):
 	for matrix in (cell.hSize, cell.velGrad, cell.nextVelGrad, cell.trsf):
 		if any(matrix[place] != 0 for place in ((0, 2), (1, 2), (2, 0), (2, 1))):

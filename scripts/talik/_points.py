@@ -89,6 +89,36 @@ def _numberOf(name, materials):
 	_refuse(f"material is '{name}', and MpmEngine.materials has {known}")
 
 
+def lawNumbers(skeletonOf, points, laws):
+	"""Numbers of laws that MpmEngine.exchangeSkeletons gives to the points, a list."""
+	prefix = "MpmEngine.exchangeSkeletons: skeletonOf "
+	if len(skeletonOf) != points:
+		raise ValueError(f"{prefix}has {len(skeletonOf)} numbers for {points} points: give one per point.")
+	numbers = [int(number) for number in skeletonOf]
+	for point, number in enumerate(numbers):
+		if not 0 <= number < laws:
+			raise ValueError(f"{prefix}[{point}] is {number}: give an index into skeletons, 0 to {laws - 1}.")
+	return numbers
+
+
+def field(mpm, name, measured):
+	"""What MpmEngine.field returns. measured: what laws measure by this name, arrays, nan where a point has another law."""
+	if name in ("strain", "deviatoricStrain"):
+		if not (mpm.deformationRecord and mpm.motion):
+			raise ValueError(f"MpmEngine.field: {name} needs motion and deformationRecord=True.")
+		return strain(name, mpm._storedField("deformationGradient"))
+	if measured:
+		result = measured[0]
+		for other in measured[1:]:
+			lacking = np.isnan(result if result.ndim == 1 else result[:, 0])
+			result[lacking] = other[lacking]
+		return result
+	stored = mpm._storedField(name)
+	if stored is None:
+		raise ValueError(f"MpmEngine.field: there is no field '{name}' in this scene: choose one of {', '.join(mpm.fieldNames())}.")
+	return stored
+
+
 def strain(name, gradients):
 	"""Logarithmic strain 1/2 ln(F F^T) [-] of deformation gradients F (n, 4) or (n, 9), row by row: xx, yy, xy or xx, yy, zz, yz, xz, xy; or, by the name
 	deviatoricStrain, sqrt(2/3 e:e) of its deviator, in the plane that of plane strain. nan where F is.

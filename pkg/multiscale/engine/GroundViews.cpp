@@ -68,23 +68,7 @@ py::list MpmEngine::fields()
 namespace {
 	bool isStrain(const string& name) { return name == "strain" || name == "deviatoricStrain"; }
 
-	/// Rows of equal length as an array (n,) or (n, components).
-	np::ndarray arrayOf(const vector<vector<Real>>& rows)
-	{
-		const std::size_t parts = rows.empty() ? 1 : rows.front().size();
-		np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(rows.size()) : py::make_tuple(rows.size(), parts), np::dtype::get_builtin<double>());
-		Real*       data   = reinterpret_cast<Real*>(result.get_data());
-		for (const auto& row : rows)
-			data = std::copy(row.begin(), row.end(), data);
-		return result;
-	}
 } // namespace
-
-py::object MpmEngine::strains(const string& name)
-{
-	if (!deformationRecord || !motion) throw std::invalid_argument("MpmEngine.field: " + name + " needs motion and deformationRecord=True.");
-	return talik::callPython("talik._points", "strain", name, field("deformationGradient"));
-}
 
 /// Skeletons in use that give this measure.
 vector<shared_ptr<SkeletonLaw>> MpmEngine::lawsMeasuring(const string& name) const
@@ -97,41 +81,24 @@ vector<shared_ptr<SkeletonLaw>> MpmEngine::lawsMeasuring(const string& name) con
 	return laws;
 }
 
-/// A measure of the samples, each point's from the skeleton that it has.
-py::object MpmEngine::measured(const vector<shared_ptr<SkeletonLaw>>& laws, const string& name) const
-{
-	vector<vector<Real>> rows(pointCount());
-	vector<np::ndarray>  tables;
-	for (const auto& law : laws)
-		tables.push_back(py::extract<np::ndarray>(law->values(name))());
-	for (int id = 0; id < pointCount(); ++id)
-		for (const auto& table : tables) {
-			const int   parts = table.get_nd() == 1 ? 1 : table.shape(1);
-			const Real* row   = reinterpret_cast<const Real*>(table.get_data()) + id * parts;
-			if (rows[id].empty() || std::isnan(rows[id].front())) rows[id].assign(row, row + parts);
-		}
-	return arrayOf(rows);
-}
-
-void MpmEngine::refuseField(const string& name)
-{
-	string known;
-	for (const auto& existing : existingFields())
-		known += (known.empty() ? "" : ", ") + existing;
-	throw std::invalid_argument("MpmEngine.field: there is no field '" + name + "' in this scene: choose one of " + known + ".");
-}
-
+/// See talik._points.field.
 py::object MpmEngine::field(const string& name)
 {
-	auto& g = runningGround();
-	if (isStrain(name)) return strains(name);
-	const auto laws = lawsMeasuring(name);
-	if (!laws.empty()) return measured(laws, name);
+	runningGround();
+	py::list tables;
+	for (const auto& law : lawsMeasuring(name))
+		tables.append(law->values(name));
+	return py::import("talik._points").attr("field")(py::ptr(this), name, tables);
+}
+
+py::object MpmEngine::storedField(const string& name)
+{
+	auto&     g     = runningGround();
 	int       parts = 0;
 	const int n     = pointCount();
 	for (const auto& info : g.fields())
 		if (info.place == "points" && info.name == name) parts = info.components;
-	if (parts == 0) refuseField(name);
+	if (parts == 0) return py::object();
 	np::ndarray  result = np::zeros(parts == 1 ? py::make_tuple(n) : py::make_tuple(n, parts), np::dtype::get_builtin<double>());
 	Real*        data   = reinterpret_cast<Real*>(result.get_data());
 	vector<Real> component(n);

@@ -44,6 +44,7 @@ public:
 	::boost::python::list   fieldNames();
 	::boost::python::list   fields();
 	::boost::python::object field(const string& name);
+	::boost::python::object storedField(const string& name); ///< None if there is none
 	void                    watch(::boost::python::object ids, Real interval, ::boost::python::object names);
 	::boost::python::dict   history(int id) const;
 	/// O shows one of the samples: the ground does not step.
@@ -127,11 +128,8 @@ private:
 	void                            collectBodies();
 	void                            stepGround();
 	void                            advance(double dt);
-	::boost::python::object         strains(const string& name);
 	vector<shared_ptr<SkeletonLaw>> lawsMeasuring(const string& name) const;
-	::boost::python::object         measured(const vector<shared_ptr<SkeletonLaw>>& laws, const string& name) const;
 	vector<string>                  existingFields();
-	[[noreturn]] void               refuseField(const string& name);
 	vector<Real>                    valueAt(const string& name, int id);
 	void                            recordWatched();
 
@@ -238,6 +236,7 @@ public:
 		.def("field",&MpmEngine::field,(::boost::python::arg("name")),"A field of the points as a NumPy array (n,) or (n,components), in the order of the points' "
 				"ids; stress has the components xx, yy, zz, xy, in space xx, yy, zz, yz, xz, xy. Beside the stored fields: strain, the logarithmic strain since the start "
 				"(xx, yy, xy; in space as stress); deviatoricStrain, sqrt(2/3 e:e) of it; the measures of the samples, see RveSkeleton.values.")
+		.def("_storedField",&MpmEngine::storedField,(::boost::python::arg("name")))
 		.def("watch",&MpmEngine::watch,(::boost::python::arg("ids"),::boost::python::arg("interval")=0.,::boost::python::arg("fields")=::boost::python::list()),
 				"Record the histories of some points from now on: fields (default: all that say something of soil or sample) every interval seconds, 0 for every step. "
 						"Saved with the scene; see history(). A second call begins anew, watch([]) deletes all records.")

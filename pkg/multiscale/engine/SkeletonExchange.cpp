@@ -3,6 +3,7 @@
 #include <pkg/multiscale/engine/MpmEngine.hpp>
 
 #include <algorithm>
+#include <boost/python/stl_iterator.hpp>
 #include <cstring>
 #include <map>
 
@@ -42,22 +43,6 @@ namespace {
 		}
 	}
 
-	vector<int> asIndices(const py::object& values, int points, int laws)
-	{
-		const string prefix = "MpmEngine.exchangeSkeletons: skeletonOf ";
-		if (py::len(values) != points)
-			throw std::invalid_argument(
-			        prefix + "has " + std::to_string(py::len(values)) + " numbers for " + std::to_string(points) + " points: give one per point.");
-		vector<int> indices(points);
-		for (int id = 0; id < points; ++id) {
-			indices[id] = py::extract<int>(values[id].attr("__int__")());
-			if (indices[id] < 0 || indices[id] >= laws)
-				throw std::invalid_argument(
-				        prefix + "[" + std::to_string(id) + "] is " + std::to_string(indices[id]) + ": give an index into skeletons, 0 to "
-				        + std::to_string(laws - 1) + ".");
-		}
-		return indices;
-	}
 } // namespace
 
 py::list MpmEngine::skeletonNumbers() const
@@ -90,7 +75,8 @@ void MpmEngine::exchangeSkeletons(const Laws& laws, const py::object& skeletonOf
 	auto& running = runningGround();
 	if (!motion) throw std::invalid_argument("MpmEngine.exchangeSkeletons: the ground does not move (motion=False) and has no skeletons.");
 	if (laws.empty()) throw std::invalid_argument("MpmEngine.exchangeSkeletons: skeletons is empty: give at least one skeleton law.");
-	const vector<int> numbers = asIndices(skeletonOf, pointCount(), int(laws.size()));
+	const py::object  asked = py::import("talik._points").attr("lawNumbers")(skeletonOf, pointCount(), laws.size());
+	const vector<int> numbers { py::stl_input_iterator<int>(asked), py::stl_input_iterator<int>() };
 	checkExchange(laws, numbers);
 	meetBefore("MpmEngine.exchangeSkeletons");
 	const Laws before = activeSkeletons();

@@ -6,6 +6,8 @@
 #include <pkg/dem/ScGeom.hpp>
 #include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/icebond/IceStrengthAndCreep.hpp>
+#include <pkg/python/PythonFunction.hpp>
+#include <pkg/python/StepGate.hpp>
 #include <pkg/rve/open/OpenSample.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/packed/CellSlip.hpp>
@@ -13,6 +15,7 @@
 #include <omp.h>
 #include <stdexcept>
 
+namespace py = boost::python;
 using namespace yade;
 
 namespace talik {
@@ -75,21 +78,6 @@ namespace {
 	Matrix3r symmetric(const Matrix3r& m) { return 0.5 * (m + m.transpose()); }
 
 	bool inPlane(const Matrix3r& m) { return m(0, 2) == 0 && m(1, 2) == 0 && m(2, 0) == 0 && m(2, 1) == 0 && m(2, 2) == 0; }
-
-	bool inherits(const Engine& engine, const char* base)
-	{
-		const std::string name = engine.getClassName();
-		return name == base || Omega::instance().isInheritingFrom_recursive(name, base);
-	}
-
-	std::string reasonOfEngine(const Engine& engine)
-	{
-		const std::string name = engine.getClassName();
-		if (inherits(engine, "PeriodicEngine")) return "its " + name + " would act in YADE's current scene (remove it)";
-		if (inherits(engine, "TimeStepper")) return "its " + name + " would change the time step while a strain is applied (remove it, set dt)";
-		if (inherits(engine, "BoundaryController")) return "its " + name + " would move the cell as well (remove it or set dead=True)";
-		return "";
-	}
 
 	/// Bounds recorded in one cell mean nothing in another. (A collider from an archive would not do: it comes with a NewtonIntegrator
 	/// of its own, waits for that one to move grains, and finds no new contact ever again.)
@@ -155,20 +143,10 @@ void forbidRedirection() { forbidRedirection(*Omega::instance().getScene()); }
 
 std::string reasonAgainstSample(const Scene& scene)
 {
-	if (!scene.isPeriodic || !scene.cell) return "it has no periodic cell";
-	if (!(scene.dt > 0)) return "its time step is not positive";
-	if (scene.cell->homoDeform != 2) return "its cell has homoDeform=" + std::to_string(scene.cell->homoDeform) + " instead of 2";
-	std::size_t bodies = 0;
-	forBodies(scene, [&](const Body&) { ++bodies; });
-	if (bodies == 0) return "it has no bodies";
-	bool moves = false;
-	for (const auto& engine : scene._nextEngines.empty() ? scene.engines : scene._nextEngines) {
-		if (engine->dead) continue;
-		moves                    = moves || inherits(*engine, "NewtonIntegrator");
-		const std::string reason = reasonOfEngine(*engine);
-		if (!reason.empty()) return reason;
-	}
-	return moves ? reasonAgainstRunning(scene, true) : "it has no NewtonIntegrator";
+	const PythonLock  held;
+	const std::string reason = py::extract<std::string>(
+	        callPython("talik._packable", "againstSample", cellOf(scene), enginesOf(scene), bodiesOf(scene), scene.dt));
+	return reason.empty() ? reasonAgainstRunning(scene, true) : reason;
 }
 
 // ---------------------------------------------------------------------------------------------- making

@@ -35,12 +35,9 @@ namespace {
 		return present;
 	}
 
-	/// The engines of the next step.
-	const std::vector<shared_ptr<Engine>>& enginesOf(const Scene& scene) { return scene._nextEngines.empty() ? scene.engines : scene._nextEngines; }
-
 	py::object engineNamed(const Scene& scene, const char* name)
 	{
-		for (const auto& engine : enginesOf(scene))
+		for (const auto& engine : scene._nextEngines.empty() ? scene.engines : scene._nextEngines)
 			if (engine->getClassName() == name) return py::object(engine);
 		return py::object();
 	}
@@ -453,18 +450,31 @@ bool bondsCarryMoments(const Scene& scene)
 	return std::any_of(bodies.begin(), bodies.end(), [](const Body* body) { return body->material && sectionOf(*body->material).acts(); });
 }
 
+py::object cellOf(const Scene& scene) { return scene.isPeriodic ? py::object(scene.cell) : py::object(); }
+
+py::list bodiesOf(const Scene& scene)
+{
+	py::list bodies;
+	for (std::size_t id = 0; id < scene.bodies->size(); ++id)
+		if ((*scene.bodies)[id]) bodies.append((*scene.bodies)[id]);
+	return bodies;
+}
+
+py::list enginesOf(const Scene& scene)
+{
+	py::list engines;
+	for (const auto& engine : scene._nextEngines.empty() ? scene.engines : scene._nextEngines)
+		engines.append(engine);
+	return engines;
+}
+
 std::string reasonAgainstPacking(const Scene& scene)
 {
 	const PythonLock gil;
-	py::list         bodies, engines, contacts;
-	for (std::size_t id = 0; id < scene.bodies->size(); ++id)
-		if ((*scene.bodies)[id]) bodies.append((*scene.bodies)[id]);
-	for (const auto& engine : enginesOf(scene))
-		engines.append(engine);
+	py::list         contacts;
 	for (const auto& interaction : *scene.interactions)
 		if (interaction->isReal()) contacts.append(interaction);
-	const py::object cell = scene.isPeriodic ? py::object(scene.cell) : py::object();
-	return py::extract<std::string>(callPython("talik._packable", "reason", cell, bodies, engines, contacts));
+	return py::extract<std::string>(callPython("talik._packable", "reason", cellOf(scene), bodiesOf(scene), enginesOf(scene), contacts));
 }
 
 int packedDimension(const Scene& scene)

@@ -5,6 +5,11 @@
 
 namespace talik {
 
+/// Parts of a scene as objects of Python: its cell, None where it is not periodic; the bodies that were not erased; the engines of the next step.
+boost::python::object cellOf(const yade::Scene& scene);
+boost::python::list   bodiesOf(const yade::Scene& scene);
+boost::python::list   enginesOf(const yade::Scene& scene);
+
 /// Why the next step of a scene would end the whole process on one of stock YADE's own asserts, with the remedy; empty if nothing of
 /// the kind is known. Debian's YADE is built with asserts, and throws out of parallel loops where no functor fits a contact. Looks at
 /// every body once; holds the GIL while it asks the dispatchers. Grains of IceBondMat must have functors for all that they may touch; other
