@@ -141,13 +141,12 @@ int main(int count, char** words)
 		if (std::string(words[k]) == "--steps") steps = std::atoi(words[k + 1]);
 		if (std::string(words[k]) == "--only") only = words[k + 1];
 	}
-	Scene tpic = wet, implicit = wet, weight = all;
+	Scene tpic = wet, implicit = wet;
 	tpic.name = "water, tpic", tpic.transfer = VelocityTransfer::tpic;
 	implicit.name = "water, implicit pressure", implicit.implicit = true;
-	weight.name = "heat, water, freezing, thaw front, weight in cells", weight.cellWeight = true;
 	const Scene endless         = withoutEnds(iceRichWet, "all, thaw strain, periodic sides"),
 	            endlessImplicit = withoutEnds(allImplicit, "all, implicit, periodic sides");
-	for (const Scene& scene : { dryApic, tpic, implicit, warm, frozen, weight, allOwn, withWalls, withBall, iceRichWet, heaving, endless, endlessImplicit })
+	for (const Scene& scene : { dryApic, tpic, implicit, warm, frozen, allOwn, withWalls, withBall, iceRichWet, heaving, endless, endlessImplicit })
 		if (("plane, " + std::string(scene.name)).find(only) != std::string::npos) allWays<2>(scene, steps);
 	for (const Scene& scene : { dryApic, frozen, withWalls, withBall, iceRichWet, heaving })
 		if (("space, " + std::string(scene.name)).find(only) != std::string::npos) allWays<3>(scene, steps / 4);

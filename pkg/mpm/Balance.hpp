@@ -16,6 +16,7 @@ template <int D> struct StepAccount {
 	Vec<D> momentumOut {};           ///< with the water [N s]
 	double waterOut         = 0.0;   ///< left through drained boundaries [kg]
 	double enthalpyOut      = 0.0;   ///< carried out by water [J]
+	double gravityEnergyOut = 0.0;   ///< potential energy of that water
 	double heatIn           = 0.0;   ///< conducted in through boundaries and produced by sources [J]
 	double skeletonWork     = 0.0;   ///< done on the skeleton by effective stress
 	double porePressureWork = 0.0;   ///< done by pore pressure on the pore content
@@ -26,7 +27,7 @@ template <int D> struct StepAccount {
 	StepAccount& operator+=(const StepAccount& other)
 	{
 		constexpr int numbers = sizeof(StepAccount) / sizeof(double);
-		static_assert(numbers == 2 * D + 13, "nothing but numbers");
+		static_assert(numbers == 2 * D + 14, "nothing but numbers");
 		auto* const       sums  = reinterpret_cast<double*>(this);
 		const auto* const added = reinterpret_cast<const double*>(&other);
 		for (int k = 0; k < numbers; ++k)
@@ -42,7 +43,7 @@ template <int D> struct Balance : StepAccount<D> {
 	Vec<D> momentum {};                                     ///< of both phases [kg m/s]
 	double enthalpy      = 0.0;                             ///< [J]
 	double kineticEnergy = 0.0;
-	double gravityEnergy = 0.0; ///< relative to the origin of coordinates; water that leaves takes its own along
+	double gravityEnergy = 0.0; ///< relative to the origin of coordinates
 };
 
 } // namespace talik

@@ -51,8 +51,6 @@ struct MotionOfAnyDimension {
 	double picTime      = std::numeric_limits<double>::quiet_NaN();
 	double localDamping = 0.0;  ///< alpha of non-viscous damping on the mixture force, in [0, 1): 0.3 to 0.7 for equilibrium, 0 to 0.05 in failure
 	bool   bBar         = true; ///< cell means of div v_s and, transposed, of the mean stress: without them the ground locks
-	/// B-bar leaves the mean stress of a cell the gradient that the weight of the ground gives it.
-	bool bBarWeight = false;
 };
 
 /// The effect that lets the ground move. Without it the ground is rigid and only heat limits the time step.

@@ -143,7 +143,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (heat) heat->constrain(grid, settings.boundaries);
 	stateDependent.find(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
-	if (averaging()) bBar.allocate(grid, settings.motion->bBarWeight);
+	if (averaging()) bBar.allocate(grid);
 	strainWork = { startShare(), bool(implicit) };
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
 	if (water && averaging()) water->allocateCells(grid.cellCount(), grid.cellVolume());

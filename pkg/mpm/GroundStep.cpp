@@ -424,7 +424,7 @@ template <int D> void Ground<D>::Parts::stabiliseCells(const StepContext<D>& ste
 {
 	if (implicit) implicit->exchange(step, *water, liquid());
 	else if (content->iceMass) water->stabiliseCells(step, *cells, motion->settings->gravity, liquid());
-	water->finishCells(step);
+	water->finishCells(step, liquidDensity());
 }
 
 /// Each strip of points receives water, its strain, and what follows from both.

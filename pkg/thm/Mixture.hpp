@@ -34,11 +34,12 @@ struct VolumeFractions {
 };
 
 /// Properties of saturated freezing ground: grains, ice and liquid water.
-/// Densities, specific heats and conductivities are those of Yu & Zhao, section 3; expansivities are handbook values.
+/// Densities, specific heats and conductivities are those of Yu & Zhao, section 3; expansivities of grains and ice are handbook values. Water has none
+/// on average between 0 and 8 degC, as it is densest at 4 degC (Kell 1975).
 struct MixtureProperties {
 	Phase            solid { 2650.0, 800.0, 1.0, 2.4e-5 };
 	Phase            ice { 910.0, 2060.0, 2.2, 1.6e-4 };
-	Phase            liquid { 1000.0, 4200.0, 0.6, 2.1e-4 };
+	Phase            liquid { 1000.0, 4200.0, 0.6, 0.0 };
 	double           latentHeat           = 334.0e3; ///< of fusion at the reference temperature [J/kg], > 0
 	double           referenceTemperature = 0.0;     ///< T_0 of enthalpy and density [degC]
 	ConductivityMean conductivityMean     = ConductivityMean::arithmetic;

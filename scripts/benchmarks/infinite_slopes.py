@@ -82,12 +82,12 @@ def column(case):
 	else:
 		oedometer = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
 		conductivity = 1e-4 if not case.get("R") else speedOfThaw() ** 2 / (4 * case["R"] ** 2) * liquidDensity * gravity / oedometer
-		# as in the theory, thaw itself changes neither the volume nor the storage of the pore content, and frozen soil has no effective stress
+		# as in the theory, neither thaw nor warmth changes the volume of the pore content, and frozen soil has no effective stress
 		settings["water"] = PoreWater(conductivity=conductivity, referencePorosity=porosity, pressure=case["water"], zetaActive=not case.get("R"))
 		boundaries.append(DrainedBoundary(region="surface"))
 	if "R" in case:
 		settings.update(heat=HeatTransfer(thermalTimeScale=86400 / motionPerDay, followsMotion=True), freezing=FreezingCurve())
-		settings["material"] = GroundMaterial(thawStrain=case["thawStrain"])
+		settings["material"] = GroundMaterial(thawStrain=case["thawStrain"], solidExpansivity=0, iceExpansivity=0, liquidExpansivity=0)
 		boundaries.append(SurfaceTemperature(region="surface", temperature=warm))
 		layer["temperature"] = -1.0
 		if case["R"]:
@@ -136,10 +136,12 @@ def cases(kinds=("dry", "explicit", "implicit", "thaw"), everyDay=False):
 			yield dict(water=kind, spacing=spacing, points=points, angle=angle, factor=factor)
 	if "thaw" in kinds:
 		# excess ice drains at once where R is 0; with R > 0 there is none, as in the theory
-		of = (((0.0, 0.0), (0.0, 0.08), *((R, 0.0) for R in (0.05, 0.1, 0.2, 0.5, 1.0))), ("explicit", "implicit"), (0.7, 0.9, 1.1, 1.6, 2.5))
-		for (spacing, points), ((R, strain), water, factor) in itertools.product(sizes, itertools.product(*of)):
+		ices = ((0.1, 0.0), (0.5, 0.0)) if everyDay else ((0.0, 0.0), (0.0, 0.08), *((R, 0.0) for R in (0.05, 0.1, 0.2, 0.5, 1.0)))
+		of = (ices, ("explicit", "implicit"), (0.8, 1.25) if everyDay else (0.7, 0.9, 1.1, 1.6, 2.5))
+		for (spacing, points), ((R, strain), water, factor) in itertools.product(((0.25, 1),) if everyDay else sizes, itertools.product(*of)):
 			if points == 1 or R == 0:
-				yield dict(water=water, spacing=spacing, points=points, angle=15, factor=factor, R=R, thawStrain=strain)
+				# where pore pressure bears more than a third of the weight, 15 degrees need tension
+				yield dict(water=water, spacing=spacing, points=points, angle=15 if R < 0.5 else 5, factor=factor, R=R, thawStrain=strain)
 
 
 def told(row):
@@ -150,7 +152,12 @@ def told(row):
 
 def draw(rows, file):
 	kinds = [kind for kind in ("dry", "explicit", "implicit", "thaw") if any(kindOf(row) == kind for row in rows)]
-	titles = {"dry": "dry", "explicit": "saturated, explicit pressure", "implicit": "saturated, implicit pressure", "thaw": "thaws from its surface, 15°"}
+	titles = {
+		"dry": "dry",
+		"explicit": "saturated, explicit pressure",
+		"implicit": "saturated, implicit pressure",
+		"thaw": "thaws from its surface,\n15°, from R = 0.5 on 5°",
+	}
 	figure, all_ = pyplot.subplots(1, len(kinds), figsize=(4 * len(kinds), 3.8), layout="constrained", sharey=True, squeeze=False)
 	for axes, kind in zip(all_[0], kinds):
 		own = [row for row in rows if kindOf(row) == kind]

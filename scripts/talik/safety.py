@@ -212,7 +212,7 @@ def _ground(state, laws, factor):
 		if name not in notTaken:
 			setattr(ground, name, value)
 	ground.boundaries = [one for one in state.boundaries if type(one).__name__ in mechanical or getattr(one, "gives", "") in ("traction", "acceleration")]
-	ground.damping, ground.picTime, ground.bBarWeight = 0.7, 0, ground.bBar
+	ground.damping, ground.picTime = 0.7, 0
 	fields = {name: state.field(name) for name in ("position", "volume", "stress")}
 	if state.heat is not None or state.water is not None:
 		fields["porosity"] = state.field("porosity")

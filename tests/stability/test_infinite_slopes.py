@@ -16,3 +16,10 @@ def test_slopes_that_never_froze_stand_and_slide_as_by_hand(kind):
 	for row in rows:
 		print(infinite_slopes.told(row), "| reference: infinite slope by hand | tolerance: 5 mm, 10 % of the acceleration")
 	assert all(row["right"] for row in rows)
+
+
+def test_slopes_that_thaw_stand_and_slide_as_the_pore_pressure_of_morgenstern_and_nixon_asks():
+	rows = [infinite_slopes.judged(case) for case in infinite_slopes.cases(["thaw"], everyDay=True)]
+	for row in rows:
+		print(infinite_slopes.told(row), "| reference: infinite slope by hand, McRoberts & Morgenstern (1974) | tolerance: 5 mm")
+	assert all(row["right"] for row in rows)

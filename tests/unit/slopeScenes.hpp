@@ -23,8 +23,8 @@ struct Scene {
 	double           thawStrain  = 0.0; ///< above 0: soil that is compressible once it has thawed
 	double           segregation = 0.0; ///< potential [m^2/(s K)]; infinite: computed, with a lens behind its fringe
 	int              columns     = 0;   ///< of points, along the slope; 0: all that have room
-	bool             implicit = false, cellWeight = false;
-	bool             periodic = false; ///< left and right are joined, and ground fills the box between them
+	bool             implicit    = false;
+	bool             periodic    = false; ///< left and right are joined, and ground fills the box between them
 };
 
 /// Two soils, a wall that moves in, rain, and boundaries that act in boxes, on discs and on a side, across the borders of strips.
@@ -96,7 +96,6 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 		s.boundaries.push_back(std::make_shared<DrainedBoundary<D>>(Region<D>::freeSurface()));
 	}
 	if (scene.implicit) s.water->implicit = true;
-	s.motion->bBarWeight = scene.cellWeight;
 	if (scene.walls) addWalls(s);
 	if (scene.thawStrain > 0.0) {
 		SoilMaterial silt;

@@ -203,7 +203,7 @@ template <int D> double seepagePairError(bool averaged)
 	g.water.drain(step, surface.patch(0), true, { rho, nullptr }, nullptr);
 	g.water.finishExchange(g.range);
 	g.forBlocks([&](const WeightBlock<D>& w) { g.water.gather(w, g.field(g.waterMass), nullptr, cells); });
-	if (cells) g.water.finishCells(step);
+	if (cells) g.water.finishCells(step, rho);
 	if (cells) g.forStrips([&](int first, int last) { g.water.receive(*cells, first, last, g.field(g.waterMass), nullptr, g.motion.velocity); });
 	double mass = 0.0, largest = 0.0;
 	for (int p = 0; p < g.points.count(); ++p) {

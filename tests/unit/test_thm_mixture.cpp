@@ -47,7 +47,8 @@ TEST(Mixture, MeansAreOrderedHarmonicGeometricArithmetic)
 
 TEST(Mixture, DensityDeficitAndExpansivityFollowTheirDefinitions)
 {
-	const MixtureProperties m;
+	MixtureProperties m;
+	m.liquid.expansivity = 2.1e-4;
 	EXPECT_NEAR(m.densityDeficit(0.0), 0.09, 1e-15);
 	const double zeta = m.densityDeficit(-2.0), expected = 0.08 * 2.1e-4 + (1.0 - zeta) * 0.32 * 1.6e-4 + 0.6 * (1.0 - 0.8 * zeta) * 2.4e-5;
 	EXPECT_NEAR(m.expansivity(0.4, 0.2, -2.0) / expected, 1.0, 1e-13);

@@ -106,10 +106,11 @@ TEST(PoreWater, CoefficientsAreTheDerivativesOfTheMassForm)
 
 TEST(PoreWater, CoefficientsAtMinusThreeTenthsMatchTheTable)
 {
-	const MixtureProperties m;
-	const auto              curve = makeFreezingCurve();
-	const double            t = -0.3, n = 1.0 - 0.6 * (1.0 + 2.4e-5 * t);
-	const auto              k = PoreWaterState().coefficients(m, { n, curve->liquidSaturation(t), curve->derivative(t), t });
+	MixtureProperties m;
+	m.liquid.expansivity = 2.1e-4;
+	const auto   curve   = makeFreezingCurve();
+	const double t = -0.3, n = 1.0 - 0.6 * (1.0 + 2.4e-5 * t);
+	const auto   k = PoreWaterState().coefficients(m, { n, curve->liquidSaturation(t), curve->derivative(t), t });
 	EXPECT_NEAR(k.storage / 1.426550647e-10, 1.0, 1e-8);
 	EXPECT_NEAR(k.temperature / 0.05718394636, 1.0, 1e-7);
 	EXPECT_NEAR(k.undrained() / 0.9741474057, 1.0, 1e-9);

@@ -20,7 +20,6 @@ struct Level {
 	double         thawStrain = 0.0;
 	double         scale      = 2e6; ///< calendar time over time of motion
 	bool           front      = true;
-	bool           weight     = false; ///< bBarWeight
 	FrontConstants constants;
 	std::string    words() const
 	{
@@ -61,7 +60,6 @@ template <int D> Ground<D> groundOf(const Level& level)
 	s.motion.emplace();
 	s.motion->gravity[D - 1] = -Level::gravity;
 	s.motion->localDamping   = 0.3;
-	s.motion->bBarWeight     = level.weight;
 	s.heat.emplace();
 	s.heat->thermalTimeScale = level.scale;
 	s.freezing               = makeFreezingCurve();

@@ -275,9 +275,10 @@ TEST(Consolidation, HeatedDrainedSurfaceGivesMcTiguesPressure)
 	citing("McTigue 1986, f_T = 1e5");
 	ColumnScene c;
 	c.height = 1.5, c.cells = 60, c.load = 0.0, c.drained = false, c.bulkModulus = 2.2e7;
-	auto s                 = saturatedColumn(c);
-	s.mixture              = MixtureProperties(); // with thermal expansion
-	const double timeScale = 1e5;
+	auto s                       = saturatedColumn(c);
+	s.mixture                    = MixtureProperties(); // with thermal expansion
+	s.mixture.liquid.expansivity = 2.1e-4;
+	const double timeScale       = 1e5;
 	s.heat.emplace();
 	s.heat->thermalTimeScale    = timeScale;
 	s.water->hydraulicTimeScale = 1.0; // the two diffusivities of the theory come from different scales

@@ -36,7 +36,6 @@ Level thawing(bool saturated, double spacing, bool front)
 	level.saturated = saturated;
 	level.spacing   = spacing;
 	level.front     = front;
-	level.weight    = true;
 	return level;
 }
 

@@ -21,7 +21,7 @@ void BBar<D>::addToCells(
 	const double* volume = points.volume();
 	for (int p = first; p < last; ++p)
 		cells.add(p, volume[p] * averagedStress(motion, water, p));
-	if (hasWeights()) addWeights(cells, points, motion, water, content, first, last);
+	addWeights(cells, points, motion, water, content, first, last);
 }
 
 template <int D>
@@ -67,7 +67,7 @@ void BBar<D>::findAddedStress(
 		const double own      = averagedStress(motion, water, p);
 		const double mean     = cells ? cells->mean(p, own) : own;
 		motion.addedStress[p] = mean - motion.averagedStress(p);
-		if (hasWeights()) motion.addedStress[p] += stressOfWeight(*cells, points, motion.settings->gravity, p, mean);
+		if (cells) motion.addedStress[p] += stressOfWeight(*cells, points, motion.settings->gravity, p, mean);
 	}
 }
 

@@ -12,23 +12,19 @@ namespace talik {
 /// stress is changed by its pore pressure alone. With B-bar all points of a cell have one volumetric strain and, transposed, one mean stress.
 template <int D> class BBar {
 public:
-	/// weights: the weight of a cell gives its mean stress a gradient (bBarWeight), eq. (8.2a).
-	void allocate(const Grid<D>& grid, bool weights)
-	{
-		if (weights) weights_.reset(grid.cellCount());
-	}
-	bool hasWeights() const { return !weights_.empty(); }
+	/// The weight of a cell gives its mean stress a gradient, eq. (8.2a).
+	void allocate(const Grid<D>& grid) { weights_.reset(grid.cellCount()); }
 	void clear(const ActiveRange& range)
 	{
-		if (hasWeights()) std::fill(weights_.begin() + range.firstCell, weights_.begin() + range.lastCell, Weight {});
+		if (!weights_.empty()) std::fill(weights_.begin() + range.firstCell, weights_.begin() + range.lastCell, Weight {});
 	}
 	/// What addToCells() adds to, but for the sums of cells.
 	void share(HaloExchange& rows)
 	{
-		if (hasWeights()) rows.cells(weights_.data());
+		if (!weights_.empty()) rows.cells(weights_.data());
 	}
 
-	/// Adds the mean stress of points to their cells and, with weights, their weight; water and content may be null.
+	/// Adds the mean stress of points to their cells and, their weight; water and content may be null.
 	void addToCells(
 	        CellMeans<D>& cells, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water, const PoreContent<D>* content,
 	        int first, int last);
@@ -54,7 +50,7 @@ private:
 	TALIK_PROCESSOR_VERSIONS static void stretchVolumes(MaterialPoints<D>& points, const SolidMotion<D>& motion, int first, int last);
 	double stressOfWeight(const CellMeans<D>& cells, const MaterialPoints<D>& points, const Vec<D>& gravity, int p, double mean) const;
 
-	PagedArray<Weight> weights_; ///< by cell; empty without bBarWeight
+	PagedArray<Weight> weights_; ///< by cell; empty without B-bar
 };
 
 } // namespace talik

@@ -385,7 +385,8 @@ template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const 
 }
 
 /// What the faces of a cell leave uncovered. The divergence theorem gives its area and, as the volume of a pyramid, its distance from the middle of
-/// the ground; both are exact where the surface is a plane.
+/// the ground; both are exact where the surface is a plane. Points that hold more ground than a cell, as two rows that have moved together, reach
+/// beyond it.
 template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surfaceIn(const ActiveRange& range, int c) const
 {
 	const Cell& cell = cells_[c];
@@ -397,7 +398,7 @@ template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surf
 		pyramid += cell.fill - low * (0.5 + cell.middle[a]) - high * (0.5 - cell.middle[a]);
 	}
 	const double area = lengthOf<D>(s.area);
-	s.distance        = area > 0.0 ? pyramid / area : 0.0;
+	s.distance        = area > 0.0 ? pyramid / area * std::max(1.0, cell.volume / cellVolume_) : 0.0;
 	return s;
 }
 
@@ -926,6 +927,7 @@ template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, 
 		if (mass == 0.0) continue;
 		StepAccount<D>& account = step.ledger.ofCell(c);
 		account.waterOut += mass;
+		account.gravityEnergyOut += cells_[c].out * water.heightOfCell(c);
 		if (enthalpy) account.enthalpyOut += mass * enthalpy->liquidEnthalpy(cells_[c].warmth / cells_[c].liquidMass);
 		for (int a = 0; a < D; ++a)
 			account.momentumOut[a] += mass / cells_[c].liquidMass * cells_[c].carried[a];

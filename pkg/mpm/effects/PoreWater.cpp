@@ -329,7 +329,7 @@ void PoreWater<D>::drain(
 		m *= step.dt * liquid.density;
 		if (m < 0.0 && !recharges) continue;
 		const double heat = liquid.enthalpy ? m * liquid.enthalpy->liquidEnthalpy((*temperature)[n.node][0]) : 0.0;
-		leave(n.node, m, heat, step.ledger);
+		leave(n.node, m, heat, liquid.density, step.ledger);
 	}
 }
 
@@ -344,7 +344,7 @@ void PoreWater<D>::feed(
 		const double m    = scaled * lengthOf<D>(n.area);
 		const bool   own  = m > 0.0 && !std::isnan(inflowTemperature);
 		const double heat = liquid.enthalpy ? m * liquid.enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
-		leave(n.node, -m, -heat, step.ledger);
+		leave(n.node, -m, -heat, liquid.density, step.ledger);
 	}
 }
 
@@ -361,7 +361,7 @@ template <int D> double PoreWater<D>::usedScale(double f, const Permeability& ma
 	return std::min(wanted, std::max(std::min(1.0, untouched / k), largest));
 }
 
-template <int D> void PoreWater<D>::leave(int node, double mass, double heat, StepLedger<D>& ledger)
+template <int D> void PoreWater<D>::leave(int node, double mass, double heat, double liquidDensity, StepLedger<D>& ledger)
 {
 	double*         r       = exchange[node];
 	StepAccount<D>& account = ledger.ofNode(node);
@@ -369,6 +369,7 @@ template <int D> void PoreWater<D>::leave(int node, double mass, double heat, St
 	r[Gathered::enthalpy] -= heat;
 	account.waterOut += mass;
 	account.enthalpyOut += heat;
+	account.gravityEnergyOut += mass / liquidDensity * nodes[node][potentialAt] * nodal[node][Driving::perLiquidMass];
 	for (int a = 0; a < D; ++a) {
 		const double momentum = mass * start[node][a];
 		r[Gathered::momentum + a] -= momentum;
@@ -523,7 +524,7 @@ template <int D> void PoreWater<D>::mixIn(int p, double mass, const Vec<D>& mome
 
 /// A cell that has all but run dry cannot give what its wet neighbours' nodes ask of it, and a trace of water gives nothing: it would
 /// shrink to nothing that can be divided by. What a cell keeps counts as having come in.
-template <int D> void PoreWater<D>::limitOutflow(const ActiveRange& range, StepLedger<D>& ledger)
+template <int D> void PoreWater<D>::limitOutflow(const ActiveRange& range, double liquidDensity, StepLedger<D>& ledger)
 {
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
 		Cell&        cell = cells_[c];
@@ -531,17 +532,19 @@ template <int D> void PoreWater<D>::limitOutflow(const ActiveRange& range, StepL
 		if (!(cell.liquidMass > 0.0) || !(loss > most)) continue;
 		const double    given   = most / loss;
 		StepAccount<D>& account = ledger.ofCell(c);
-		account.waterOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::water];
-		account.enthalpyOut += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::enthalpy];
+		const double    held    = cell.liquidMass * (1.0 - given);
+		account.waterOut += held * cell.exchange[Gathered::water];
+		account.enthalpyOut += held * cell.exchange[Gathered::enthalpy];
+		account.gravityEnergyOut += held * cell.exchange[Gathered::water] * cell.height / liquidDensity;
 		for (int a = 0; a < D; ++a)
-			account.momentumOut[a] += cell.liquidMass * (1.0 - given) * cell.exchange[Gathered::momentum + a];
+			account.momentumOut[a] += held * cell.exchange[Gathered::momentum + a];
 		for (double& share : cell.exchange)
 			share *= given;
 		cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 	}
 }
 
-template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step)
+template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step, double liquidDensity)
 {
 	step.owned.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
@@ -553,7 +556,7 @@ template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step)
 			cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 		}
 	});
-	limitOutflow(step.owned, step.ledger);
+	limitOutflow(step.owned, liquidDensity, step.ledger);
 }
 
 template <int D> Vec<D> PoreWater<D>::remainingVelocity(int p, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const

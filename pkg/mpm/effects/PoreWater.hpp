@@ -123,8 +123,8 @@ public:
 	/// Before the water mass of the point grows.
 	void mixIn(int place, double mass, const Vec<D>& momentum);
 	/// Exchange of each cell per liquid mass.
-	void finishCells(const StepContext<D>& step);
-	void limitOutflow(const ActiveRange& range, StepLedger<D>& ledger);
+	void finishCells(const StepContext<D>& step, double liquidDensity);
+	void limitOutflow(const ActiveRange& range, double liquidDensity, StepLedger<D>& ledger);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy. Returns momentum that the
 	/// water of cells that run dry gave up, see remainingVelocity: it has gone out with the water [N s].
 	Vec<D> receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, const std::array<double*, D>& solidVelocity);
@@ -239,7 +239,7 @@ private:
 	std::array<PagedArray<Face>, D> faces_;
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
-	void leave(int node, double mass, double heat, StepLedger<D>& ledger);
+	void leave(int node, double mass, double heat, double liquidDensity, StepLedger<D>& ledger);
 	/// What a block maps to the nodes, number by number of their record.
 	TALIK_PROCESSOR_VERSIONS void fillRecords(
 	        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize],

@@ -34,7 +34,7 @@ namespace {
 		talik::MotionSettings<D> m;
 		m.gravity  = engine.gravity.in<D>("MpmEngine.gravity");
 		m.transfer = talik::velocityTransferFromName(engine.transfer);
-		TALIK_TAKE_ATTRIBUTES(m, engine, (picTime)(bBar)(bBarWeight))
+		TALIK_TAKE_ATTRIBUTES(m, engine, (picTime)(bBar))
 		m.localDamping = engine.damping;
 		return m;
 	}
@@ -147,6 +147,7 @@ namespace {
 			d["momentum"] = tupleOf(b.momentum);
 			d["impulse"]  = tupleOf(b.impulse);
 			TALIK_PUT_MEMBERS(d, b, (enthalpy)(heatIn)(enthalpyOut)(kineticEnergy)(gravityEnergy)(skeletonWork)(porePressureWork))
+			if (inside.settings().water) d["gravityEnergyOut"] = b.gravityEnergyOut;
 			TALIK_PUT_MEMBERS(d, b, (dragDissipation)(dampingDissipation)(loadWork)(slipWork)(wallWork))
 			if (inside.settings().segregation) d["waterDrawn"] = b.waterDrawn;
 			if (inside.settings().segregation || (inside.settings().freezing && inside.settings().water)) d["segregationWork"] = b.segregationWork;

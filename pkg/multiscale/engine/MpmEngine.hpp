@@ -174,9 +174,6 @@ public:
 				"exp(-dt/picTime) of it is kept. 0: nothing (PIC; apic and tpic as published), inf: all of it (FLIP). NaN: with transfer='flip' sqrt(h/g), in which a "
 				"body falls by half a cell (g at least 9.81 m/s^2), 0 with apic and tpic. May be changed while running."))
 		((bool,bBar,true,,"B-bar: mean of div v over each cell and, transposed, of the mean stress. False: nearly incompressible ground locks."))
-		((bool,bBarWeight,false,,"B-bar leaves the mean stress of a cell the gradient that the weight of the ground gives it. Without it the rows of a cell at "
-				"the surface carry up to half a row too little and too much, and weak ground drifts there by millimetres. Ground whose stress does not come "
-				"from its weight is hardly changed."))
 		((string,shapeFunction,"quadraticBSpline",,"Shape functions of the grid: quadraticBSpline, or gimp (uniform, points a quarter of a cell in half-width)."))
 		((shared_ptr<GroundMaterial>,material,shared_ptr<GroundMaterial>(new GroundMaterial),,"Phases of the ground."))
 		((vector<shared_ptr<GroundMaterial>>,materials,,,"Materials of a ground of several soils, in place of material; addPoints(material=i), or its name, says "
@@ -244,7 +241,7 @@ public:
 				"fields.")
 		.def_readwrite("inspected",&MpmEngine::inspected,"True while O shows one of the samples: the ground does not step then. Set by inspect() and back().")
 		.def("balance",&MpmEngine::balance,"Dictionary: masses, momentum, enthalpy and energies now, and all that crossed the boundary since the start. heatIn is "
-				"positive into the ground, waterOut and enthalpyOut out of it; impulse is that on the ground; skeletonWork and porePressureWork are done on skeleton and "
+				"positive into the ground, waterOut, enthalpyOut and gravityEnergyOut (of that water, by its height) out of it; impulse is that on the ground; skeletonWork and porePressureWork are done on skeleton and "
 				"pore content, loadWork by SurfaceLoad, wallWork by MovingBoundary, slipWork by the force at the thaw front, segregationWork by "
 				"suction on the water that freezing ground has drawn, waterDrawn [kg].")
 		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: "

@@ -145,7 +145,7 @@ public:
 		((Real,liquidConductivity,0.6,,"Thermal conductivity [W/(m K)], > 0."))
 		((Real,solidExpansivity,2.4e-5,,"Volumetric thermal expansivity [1/K]."))
 		((Real,iceExpansivity,1.6e-4,,"Volumetric thermal expansivity [1/K]."))
-		((Real,liquidExpansivity,2.1e-4,,"Volumetric thermal expansivity [1/K]."))
+		((Real,liquidExpansivity,0,,"Volumetric thermal expansivity [1/K]: none between 0 and 8 degC on average (densest at 4 degC, Kell 1975), 2.1e-4 at 20 degC."))
 		((Real,latentHeat,334e3,,"Latent heat of fusion at 0 degC [J/kg], > 0 (the paper gives none)."))
 		((string,conductivityMean,"arithmetic",,"How conductivities of the phases combine: arithmetic, geometric or harmonic."))
 		((string,name,"",,"Name by which points are given this material, e.g. talik.geometry.fill(mpm,polygon,material='peat'). Names in "
