@@ -180,8 +180,9 @@ TEST(TimeStep, ThawAndFrostAreStableAtEveryScaleOfThermalTimeAndStiffnessOfWater
 	for (double scale = 1.0; scale < 2e7; scale *= 10.0)
 		for (const double modulus : { 1e7, 1e8, 1e9, 2.2e9 })
 			for (const double surface : { 10.0, -10.0 }) {
-				auto s    = loadedBox(1e-4, 2e7, 0.69);
-				s.mixture = MixtureProperties();
+				auto s                       = loadedBox(1e-4, 2e7, 0.69);
+				s.mixture                    = MixtureProperties();
+				s.mixture.liquid.expansivity = 2.1e-4;
 				s.heat.emplace();
 				s.heat->thermalTimeScale = scale;
 				s.freezing               = makeFreezingCurve();
