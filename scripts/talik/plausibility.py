@@ -224,6 +224,20 @@ def ponds(ground):
 				)
 
 
+def rechargeOfDryGround(ground):
+	"""A drained surface is wet: ground that is not full takes water from it."""
+	fills = ground.points["poreFill"]
+	if not ground.mpm.water or not (fills < 1).any():
+		return
+	for boundary in ground.boundaries:
+		if isinstance(boundary, wrapper.DrainedBoundary) and boundary.recharge and boundary.region == "surface":
+			yield (
+				f"DrainedBoundary on the surface lets water in, and {int((fills < 1).sum())} points have pores that are not full: was recharge=False meant, "
+				"by which water only leaves?",
+				False,
+			)
+
+
 def walls(ground):
 	"""Only a side that ground touches can warm or cool it."""
 	last, corners = ground.dimension - 1, (ground.mpm.lower, ground.mpm.upper)
@@ -324,6 +338,7 @@ looks = (
 	conductivityOfWater,
 	loadsAndRain,
 	ponds,
+	rechargeOfDryGround,
 	walls,
 	tablesInDays,
 	tablesInSeconds,

@@ -279,7 +279,7 @@ def test_frost_goes_through_partly_filled_gravel_as_fast_as_its_water_lets_it_an
 	mpm.boundaries = [
 		*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
 		wrapper.SurfaceTemperature(region="surface", temperature=-colder),
-		*([wrapper.DrainedBoundary(region="surface")] if wet else []),
+		*([wrapper.DrainedBoundary(region="surface", recharge=False)] if wet else []),
 	]
 	layers = {
 		"gravel": dict(polygon=rectangle(0, 0.5, 0.05, 1.5), porosity=n, poreFill=fill, material=gravel),
@@ -307,6 +307,52 @@ def test_frost_goes_through_partly_filled_gravel_as_fast_as_its_water_lets_it_an
 	held = mpm.field("waterMass")[silt] / (n * mpm.field("initialVolume")[silt] * 1000)
 	print(f"fill of the silt {held.min():.3f} to {held.max():.3f}; of the gravel at the start {fill}")
 	assert 0.97 < held.min() and held.max() < 1.03
+
+
+def moist(pressure, **drained):
+	"""Gravel that holds a little water over full silt."""
+	mpm = ground(gridSpacing=0.1, upper=(0.4, 1.8), skeleton=wrapper.ElasticSkeleton(young=2e7), water=wrapper.PoreWater(conductivity=1e-2, pressure=pressure))
+	mpm.boundaries = [
+		*(wrapper.RollerBoundary(region=side) for side in ("left", "right", "bottom")),
+		wrapper.SurfaceTemperature(region="surface", temperature=-5),
+		wrapper.DrainedBoundary(region="surface", **drained),
+	]
+	gravel, silt = (dict(polygon=rectangle(0, low, 0.4, high), temperature=1, material=Material()) for low, high in ((0.8, 1.6), (0, 0.8)))
+	talik.layers.fill(mpm, {"gravel": dict(poreFill=0.3, **gravel), "silt": silt}, lateralRatio=0.5, waterTable=0.8)
+	return mpm
+
+
+@pytest.mark.parametrize("pressure", ["explicit", "implicit"])
+def test_water_of_partly_filled_gravel_runs_down_as_its_fill_lets_it_and_none_is_lost(pressure):
+	"""By the cube of its fill (Corey): k s^3 is the flux, k s^3/(n s) the velocity."""
+	mpm = moist(pressure, recharge=False)
+	mpm.heat = mpm.freezing = None
+	mpm.boundaries = [one for one in mpm.boundaries if not isinstance(one, wrapper.SurfaceTemperature)]
+	water = mpm.field("waterMass").sum()
+	run(mpm, 1.0)
+	middle = abs(mpm.field("position")[:, 1] - 1.2) < 0.2
+	speed = -(mpm.field("liquidVelocity") - mpm.field("velocity") if pressure == "explicit" else mpm.field("seepageVelocity"))[middle, 1].mean()
+	closed = 1e-2 * 0.3**3 / (0.4 * 0.3)
+	kept = mpm.field("waterMass").sum() / water
+	print(f"{pressure}: {speed:.2e} m/s, closed form {closed:.2e} m/s; water {kept:.4f} of that at the start")
+	assert speed == pytest.approx(closed, rel=0.05) and kept == pytest.approx(1, abs=2e-3)
+
+
+def test_partly_filled_ground_goes_on_from_a_checkpoint_with_the_same_bits(tmp_path):
+	O.reset()
+	O.engines = [mpm := moist("implicit", recharge=False)]
+	O.run(40, True)
+	talik.checkpoint.write(tmp_path / "gravel")
+	O.run(40, True)
+	through = [mpm.field(name).tobytes() for name in ("position", "temperature", "conductivity", "waterMass")]
+	mpm = talik.resume(tmp_path / "gravel")
+	O.run(40, True)
+	assert [mpm.field(name).tobytes() for name in ("position", "temperature", "conductivity", "waterMass")] == through
+
+
+def test_a_drained_surface_that_wets_dry_ground_is_doubted():
+	assert any("was recharge=False meant" in doubt for doubt in talik.check(moist("explicit")))
+	assert not any("recharge" in doubt for doubt in talik.check(moist("explicit", recharge=False)))
 
 
 def test_a_fill_of_pores_that_cannot_be_is_refused_by_the_name_of_its_layer():
