@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Which scenes of YADE the packed form of a sample can stand for: those of which it knows every shape, law and parameter."""
 
-from math import tan
+import math
 
 from yade import wrapper
 
@@ -21,6 +21,21 @@ def reason(cell, bodies, engines, contacts):
 	discs = bool(bodies[0].state.blockedDOFs) or all(body.state.pos[2] == height for body in bodies)
 	found = (discs and _ofCell(cell)) or _ofBodies(bodies, discs) or _ofEngines(engines)
 	return found or _ofContactLaw(engines) or _ofIntegrator(engines, cell) or _ofContacts(contacts, bodies[0].material)
+
+
+def thickness(tags, depth):
+	"""Of the slice that carries the forces of discs [m]: what the tag says, else the depth of the cell; or a sentence where the tag is no thickness."""
+	for tag in tags:
+		if tag.startswith("thickness="):
+			words = tag.partition("=")[2]
+			try:
+				found = float(words)
+			except ValueError:
+				found = math.nan
+			if found > 0 and math.isfinite(found):
+				return found
+			return f"O.tags[\"thickness\"] is '{words}'; it must be the thickness of the discs in m, a number greater than 0"
+	return depth
 
 
 def againstSample(cell, engines, bodies, timeStep):
@@ -174,11 +189,11 @@ def _ofContact(contact, material):
 		return "is not made by its contact law"
 	if max(map(abs, contact.cellDist)) > 127:
 		return "reaches across more than 127 cells"
-	grain, friction = 2 * material.young * geom.refR1 * geom.refR2 / (geom.refR1 + geom.refR2), tan(material.frictionAngle)
+	grain, friction = 2 * material.young * geom.refR1 * geom.refR2 / (geom.refR1 + geom.refR2), math.tan(material.frictionAngle)
 	if _differs(phys.tangensOfFrictionAngle, friction):
 		return f"has the friction {phys.tangensOfFrictionAngle:f} and its material {friction:f}"
 	bonded = isinstance(phys, wrapper.IceBondPhys)
-	normal, ratio = (phys.grainStiffness, phys.stiffnessRatio) if bonded else (phys.kn, phys.ks / phys.kn if phys.kn else float("nan"))
+	normal, ratio = (phys.grainStiffness, phys.stiffnessRatio) if bonded else (phys.kn, phys.ks / phys.kn if phys.kn else math.nan)
 	if _differs(normal, grain) or _differs(ratio, material.poisson):
 		return "has another stiffness than its material gives"
 	return (_ofRolling(phys, geom, material) or _ofMoments(phys, material) or _ofBond(phys, material)) if bonded else ""

@@ -22,7 +22,7 @@ def columns(positional, named, dimension, materials):
 		given["material"] = _numbersOf(given["material"], materials)
 	if "position" not in given:
 		_refuse("position is missing; give an array (n,2) or (n,3) [m].")
-	position = _array("position", given["position"])
+	position = _array("addPoints: position", given["position"])
 	if position.ndim != 2 or position.shape[1] not in (2, 3):
 		_refuse("position is not an array (n,2) or, in space, (n,3).")
 	count, width = position.shape
@@ -52,12 +52,12 @@ def _array(name, values):
 	try:
 		return np.array(values, dtype=float, order="C")
 	except (TypeError, ValueError):
-		raise ValueError(f"MpmEngine.addPoints: {name} is {values}: give a number or an array of numbers.") from None
+		raise ValueError(f"MpmEngine.{name} is {values}: give a number or an array of numbers.") from None
 
 
 def _column(name, values, components, count):
 	"""Numbers once or for each point, from a scalar, a row of components, or an array with a row per point."""
-	array = _array(name, values)
+	array = _array(f"addPoints: {name}", values)
 	uniform = array.size == components and (components > 1 or array.ndim == 0 or count == 1)
 	if not uniform and array.size != count * components:
 		order = f", in the order of field('stress'): {orders[components]}" if name == "stress" else ""
@@ -87,6 +87,24 @@ def _numberOf(name, materials):
 	known = ", ".join(filter(None, materials))
 	known = f"only {known}." if known else f"no material with a name: set materials=[GroundMaterial(name='{name}', …)] first."
 	_refuse(f"material is '{name}', and MpmEngine.materials has {known}")
+
+
+def watched(ids, points):
+	"""Numbers of the points that MpmEngine.watch is given, each once, a list."""
+	numbers = _array("watch: ids", ids).ravel()
+	for number in numbers[~((numbers >= 0) & (numbers < points) & (numbers == np.floor(numbers)))][:1]:
+		raise ValueError(f"MpmEngine.watch: {number:.10g} is no point: give ids from 0 to {points - 1}.")
+	return list(dict.fromkeys(int(number) for number in numbers))
+
+
+def temperatures(values, points):
+	"""What MpmEngine.setTemperature gives each point [degC]."""
+	array = _array("setTemperature: temperature", values)
+	if array.ndim and len(array) != points:
+		raise ValueError("MpmEngine.setTemperature: give a number or one per point.")
+	for value in array.ravel()[~(abs(array.ravel()) < 100)][:1]:
+		raise ValueError(f"MpmEngine.setTemperature: temperature is {value:.10g}: give -100 to 100 degC.")
+	return np.array(np.broadcast_to(array, points))
 
 
 def lawNumbers(skeletonOf, points, laws):

@@ -4,6 +4,7 @@
 #include <pkg/python/PythonFunction.hpp>
 
 #include <boost/python/numpy.hpp>
+#include <boost/python/stl_iterator.hpp>
 #include <cmath>
 #include <limits>
 
@@ -143,15 +144,9 @@ void MpmEngine::watch(py::object ids, Real interval, py::object names)
 	followInputs();
 	watchesDefault = py::len(names) == 0;
 	shared_ptr<PointWatch> wanted(new PointWatch);
-	wanted->interval          = interval;
-	const np::ndarray numbers = talik::asArray("watch: ids", ids);
-	const Real*       data    = reinterpret_cast<const Real*>(numbers.get_data());
-	for (int k = 0; k < (numbers.get_nd() == 0 ? 1 : numbers.shape(0)); ++k) {
-		if (!(data[k] >= 0 && data[k] < pointCount()) || data[k] != std::floor(data[k]))
-			throw std::invalid_argument(
-			        "MpmEngine.watch: " + talik::asText(data[k]) + " is no point: give ids from 0 to " + std::to_string(pointCount() - 1) + ".");
-		if (std::find(wanted->ids.begin(), wanted->ids.end(), int(data[k])) == wanted->ids.end()) wanted->ids.push_back(int(data[k]));
-	}
+	wanted->interval         = interval;
+	const py::object numbers = py::import("talik._points").attr("watched")(ids, pointCount());
+	wanted->ids.assign(py::stl_input_iterator<int>(numbers), py::stl_input_iterator<int>());
 	for (int k = 0; k < py::len(names); ++k) {
 		const string name = py::extract<string>(names[k]);
 		if (ground && !py::list(fieldNames()).count(name))
@@ -300,21 +295,16 @@ double MpmEngine::skemptonB()
 void MpmEngine::setTemperature(py::object values)
 {
 	auto&             g     = runningGround();
-	const np::ndarray array = talik::asArray("setTemperature: temperature", values);
 	const int         n     = pointCount();
-	const bool        same  = array.get_nd() == 0;
-	if (!same && array.shape(0) != n) throw std::invalid_argument("MpmEngine.setTemperature: give a number or one per point.");
-	const Real* data = reinterpret_cast<const Real*>(array.get_data());
-	for (int id = 0; id < (same ? 1 : n); ++id)
-		if (!(data[id] > -100 && data[id] < 100))
-			throw std::invalid_argument("MpmEngine.setTemperature: temperature is " + talik::asText(data[id]) + ": give -100 to 100 degC.");
+	const np::ndarray array = py::extract<np::ndarray>(py::import("talik._points").attr("temperatures")(values, n))();
+	const Real*       data  = reinterpret_cast<const Real*>(array.get_data());
 	if (!heat) throw std::runtime_error("MpmEngine.setTemperature: the scene has no heat; add heat=HeatTransfer() before the first step.");
 	meetBefore("MpmEngine.setTemperature");
 	begun = true;
 	vector<Real> pressure(n, 0);
 	if (water) g.copyById("pressure", 0, pressure.data());
 	for (int id = 0; id < n; ++id)
-		g.setThermalState(id, data[same ? 0 : id], pressure[id]);
+		g.setThermalState(id, data[id], pressure[id]);
 }
 
 void MpmEngine::resetDisplacement()

@@ -32,17 +32,6 @@ namespace {
 
 } // namespace
 
-np::ndarray asArray(const std::string& name, const py::object& values)
-{
-	try {
-		return np::from_object(values, np::dtype::get_builtin<double>(), np::ndarray::CARRAY_RO);
-	} catch (const py::error_already_set&) {
-		PyErr_Clear();
-		throw std::invalid_argument(
-		        "MpmEngine." + name + " is " + std::string(py::extract<std::string>(py::str(values))) + ": give a number or an array of numbers.");
-	}
-}
-
 void PointTable::add(int points, int dimension, const py::object& arrays)
 {
 	if (points == 0) return;

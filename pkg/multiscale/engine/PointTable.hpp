@@ -63,9 +63,6 @@ private:
 	std::vector<int>     materials_; ///< empty: all have material 0
 };
 
-/// A Python value as an array of doubles; std::invalid_argument names the argument of MpmEngine otherwise.
-::boost::python::numpy::ndarray asArray(const std::string& name, const ::boost::python::object& values);
-
 } // namespace talik
 
 BOOST_CLASS_IMPLEMENTATION(talik::PointTable, boost::serialization::object_serializable)

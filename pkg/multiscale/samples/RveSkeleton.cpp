@@ -465,11 +465,8 @@ py::dict RveSkeleton::cost() const
 {
 	const auto& s = running();
 	py::dict    d;
-	d["form"]           = withStores([](const auto& stores) { return bool(stores.open); }) ? "open" : "packed";
-	d["points"]         = s.counters().points;
-	d["calls"]          = s.counters().calls;
-	d["steps"]          = s.counters().steps;
-	d["seconds"]        = s.counters().seconds;
+	d["form"] = withStores([](const auto& stores) { return bool(stores.open); }) ? "open" : "packed";
+	TALIK_PUT_MEMBERS(d, s.counters(), (points)(calls)(steps)(seconds))
 	d["distinctStates"] = s.samples().distinctStates();
 	d["bytes"]          = s.samples().bytes();
 	const auto use      = withStores([](const auto& stores) { return stores.packed ? stores.packed->deviceUse() : talik::DeviceUse(); });
@@ -479,12 +476,8 @@ py::dict RveSkeleton::cost() const
 		d["leftToProcessor"]  = use.left;
 		d["listsOnDevice"]    = use.lists;
 		py::dict seconds;
-		seconds["making"]    = use.making;
-		seconds["sending"]   = use.sending;
-		seconds["waiting"]   = use.waiting;
-		seconds["receiving"] = use.receiving;
-		seconds["taking"]    = use.taking;
-		d["deviceSeconds"]   = seconds;
+		TALIK_PUT_MEMBERS(seconds, use, (making)(sending)(waiting)(receiving)(taking))
+		d["deviceSeconds"] = seconds;
 	}
 	if (const auto* sharing = s.samples().sharing()) {
 		d["owned"]   = sharing->samples;

@@ -523,30 +523,16 @@ template <int Dim> PackedState<Dim> packScene(const Scene& scene, const PackedSt
 template PackedState<2> packScene<2>(const Scene&, const PackedState<2>*);
 template PackedState<3> packScene<3>(const Scene&, const PackedState<3>*);
 
-namespace {
-	const std::string thicknessTag = "thickness=";
-
-	const std::string* findThickness(const Scene& scene)
-	{
-		const auto has = [](const std::string& tag) { return tag.compare(0, thicknessTag.size(), thicknessTag) == 0; };
-		const auto tag = std::find_if(scene.tags.begin(), scene.tags.end(), has);
-		return tag == scene.tags.end() ? nullptr : &*tag;
-	}
-} // namespace
-
 double thicknessOf(const Scene& scene)
 {
-	const std::string* tag = findThickness(scene);
-	if (!tag) return std::abs(scene.cell->hSize(2, 2));
-	std::istringstream stream(tag->substr(thicknessTag.size()));
-	double             thickness = 0;
-	stream.imbue(std::locale::classic());
-	stream >> thickness;
-	if (stream.fail() || !stream.eof() || !(thickness > 0) || !std::isfinite(thickness))
-		throw std::invalid_argument(
-		        "O.tags[\"thickness\"] is '" + tag->substr(thicknessTag.size())
-		        + "'; it must be the thickness of the discs in m, a number greater than 0");
-	return thickness;
+	const PythonLock held;
+	py::list         tags;
+	for (const auto& tag : scene.tags)
+		tags.append(tag);
+	const py::object          found = callPython("talik._packable", "thickness", tags, std::abs(scene.cell->hSize(2, 2)));
+	const py::extract<double> thickness(found);
+	if (!thickness.check()) throw std::invalid_argument(py::extract<std::string>(found)());
+	return thickness();
 }
 
 template <int Dim> void openInto(Scene& scene, const PackedState<Dim>& s)
