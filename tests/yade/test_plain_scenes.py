@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from yade import O, wrapper
+from yade import O, utils, wrapper
 
 import talik
 
@@ -230,3 +230,48 @@ def test_a_saturated_slope_that_freezes_and_thaws_creeps_by_no_more_than_its_hea
 	creep = np.diff(path)
 	print(f"cohesion {cohesion:.0f} Pa: along the slope {np.round(creep, 2)} mm a cycle (by hand at most {most:.1f}), heave {np.round(heave, 1)} mm")
 	assert np.abs(creep).max() < most
+
+
+@pytest.mark.parametrize("front", [True, pytest.param(False, id="no_front_slow")])
+def test_a_plate_on_ground_that_thaws_settles_by_the_thaw_strain_of_what_has_thawed(front):
+	width, depth, h, strain = 4.0, 1.5, 0.125, 0.05
+	O.reset()
+	plate = utils.box((width / 2, depth + 0.25, 0), (0.5, 0.25, 0.5), material=O.materials.append(wrapper.FrictMat(frictionAngle=0.4)))
+	plate.state.mass, plate.state.inertia, plate.state.blockedDOFs = 1e4 / 9.81, (1, 1, 100), "xzXYZ"
+	O.bodies.append(plate)
+	thaw = dict(days=[0, 10, 12], values=[-2, -2, 10])
+	mpm = wrapper.MpmEngine(
+		gridSpacing=h,
+		lower=(0, 0),
+		upper=(width, depth + 1),
+		gravity=(0, -9.81),
+		damping=0.3,
+		bodies=wrapper.BodyContact(),
+		skeleton=wrapper.MohrCoulombSkeleton(young=1e7, youngFrozen=1e8, frictionAngle=30, cohesion=2e3),
+		material=wrapper.GroundMaterial(thawStrain=strain),
+		heat=wrapper.HeatTransfer(thermalTimeScale=1e6),
+		freezing=wrapper.FreezingCurve(),
+		water=wrapper.PoreWater(conductivity=1e-5, pressure="implicit"),
+		boundaries=[
+			*(wrapper.RollerBoundary(region=side) for side in ("left", "right")),
+			wrapper.FixedBoundary(region="bottom"),
+			wrapper.WallTemperature(region="bottom", temperature=-2),
+			wrapper.SurfaceTemperature(region="surface", **thaw),
+			wrapper.BodyTemperature(bodies=[plate.id], **thaw),
+			wrapper.DrainedBoundary(region="surface"),
+		],
+		**({} if front else dict(thawFront=None)),
+	)
+	ground = talik.geometry.rectangle(0, 0, width, depth)
+	talik.layers.fill(mpm, {"soil": dict(polygon=ground, temperature=-2)}, lateralRatio=0.5, waterTable=depth)
+	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.4)]
+	talik.runUntilDay(mpm, 9)
+	under = np.abs(mpm.field("position")[:, 0] - width / 2) < 0.5 - h / 2
+	frozen, start = mpm.field("iceSaturation")[under], plate.state.displ()[1]
+	talik.runUntilDay(mpm, 90)
+	thawed = depth * (1 - mpm.field("iceSaturation")[under] / frozen).mean()
+	settled, due = -1e3 * (plate.state.displ()[1] - start), 1e3 * strain * thawed
+	print(
+		f"front {front}: {thawed:.2f} m have thawed under the plate, it settled by {settled:.1f} mm; thaw strain of what has thawed {due:.1f} mm, tolerance 5 %"
+	)
+	assert thawed > 0.6 and abs(settled / due - 1) < 0.05
