@@ -56,7 +56,8 @@ def nameAttributesInErrors(cls):
 @contextmanager
 def _seenByGrounds(part, names, stockSet):
 	"""Watches attributes that the block sets. If a running ground was built with one of them, the old values are restored and ValueError is
-	raised. A ground that has not begun is built again. MpmEngine::checkFixed does the same for changes that come from C++ and archives."""
+	raised. A ground that has not begun is built again. The corners of its box, of
+	which components can be set, are compared in every step (GroundOfScene::checkBox)."""
 	from yade import wrapper
 
 	used = [name for name in names if _usedByRunningGround(part, name)]
