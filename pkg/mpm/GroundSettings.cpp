@@ -217,6 +217,9 @@ namespace {
 
 template <int D> void checkBoundaries(const GroundSettings<D>& settings, const Grid<D>& grid)
 {
+	const auto& all    = settings.boundaries;
+	const auto  named  = [&](std::size_t k) { return "MpmEngine.boundaries[" + std::to_string(k) + "] = " + all[k]->name(); };
+	const auto  placed = [&](std::size_t k) { return (all[k]->region().kind == Region<D>::Kind::bodies ? " of " : " on ") + all[k]->region().describe(); };
 	for (std::size_t i = 0; i < settings.boundaries.size(); ++i) {
 		const auto& b = settings.boundaries[i];
 		if (!b) throw std::invalid_argument("MpmEngine.boundaries[" + std::to_string(i) + "] is empty; give a boundary condition");
@@ -225,27 +228,19 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 		        || (effect == "motion"         ? bool(settings.motion)
 		                    : effect == "heat" ? bool(settings.heat)
 		                                       : bool(settings.water));
-		if (!present)
-			throw std::invalid_argument(
-			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + b->region().describe() + ": the scene has no "
-			        + effect + "; add it or leave this boundary out");
+		const auto refuse = [&](const std::string& why) { throw std::invalid_argument(named(i) + why); };
+		if (!present) refuse(placed(i) + ": the scene has no " + effect + "; add it or leave this boundary out");
 		if (b->region().kind == Region<D>::Kind::bodies && !settings.bodies)
-			throw std::invalid_argument(
-			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name() + " of " + b->region().describe()
-			        + ": the ground meets no bodies; add bodies or leave this boundary out");
+			refuse(placed(i) + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
 		for (std::size_t j = 0; b->joinsSides() && j < settings.boundaries.size(); ++j)
 			if (j != i && settings.boundaries[j]) checkBeside(*b, "MpmEngine.boundaries[" + std::to_string(j) + "]", *settings.boundaries[j], grid);
 		if (b->joinsSides() && settings.bodies)
 			throw std::invalid_argument("PeriodicBoundary in ground that meets bodies: these are not repeated; leave bodies out, or take walls");
 		if (b->accelerates() && settings.water)
-			throw std::invalid_argument(
-			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name()
-			        + " accelerates grains and ice, and this ground has pore water, which would stay behind; leave water out, or change gravity");
+			refuse(" accelerates grains and ice, and this ground has pore water, which would stay behind; leave water out, or change gravity");
 		if (b->feeds() && !std::isnan(b->inflowTemperature()) && !settings.heat)
-			throw std::invalid_argument(
-			        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name()
-			        + ".temperature is set but the scene has no heat; leave it out or add heat");
+			refuse(".temperature is set but the scene has no heat; leave it out or add heat");
 		for (std::size_t j = 0; j < i; ++j) {
 			const auto& other = settings.boundaries[j];
 			// a surface has either its pressure or its flux prescribed
@@ -267,11 +262,7 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 				if (r.kind == Region<D>::Kind::side && a == r.on.axis) continue;
 				overlap = overlap && r.boxLower[a] < q.boxUpper[a] && q.boxLower[a] < r.boxUpper[a];
 			}
-			if (overlap)
-				throw std::invalid_argument(
-				        "MpmEngine.boundaries[" + std::to_string(i) + "] = " + b->name() + " on " + r.describe()
-				        + " overlaps MpmEngine.boundaries[" + std::to_string(j) + "] = " + other->name() + " on " + q.describe()
-				        + "; limit one of them to a box or remove it");
+			if (overlap) refuse(placed(i) + " overlaps " + named(j) + placed(j) + "; limit one of them to a box or remove it");
 		}
 	}
 }

@@ -26,11 +26,6 @@ double EnthalpyModel::enthalpy(const SoilContent& soil, double temperature) cons
 	return formula_.at(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature)).enthalpy;
 }
 
-double EnthalpyModel::apparentCapacity(const SoilContent& soil, double temperature) const
-{
-	return formula_.at(soil, temperature, curve_->liquidSaturation(temperature), curve_->derivative(temperature)).slope;
-}
-
 ThermalState EnthalpyModel::solve(const SoilContent& soil, double enthalpy, double guess) const
 {
 	ThermalState        state { guess, 1.0, 0.0, 0.0, true, 0.0 };

@@ -137,8 +137,6 @@ public:
 	ThermalState stateAt(const SoilContent& soil, double temperature) const;
 	/// H(T) [J]
 	double enthalpy(const SoilContent& soil, double temperature) const;
-	/// dH/dT [J/K], latent heat included: the apparent capacity.
-	double apparentCapacity(const SoilContent& soil, double temperature) const;
 
 	/// T(H) of one point from the guess. Throws std::runtime_error if H is not finite or below that of -150 degC.
 	ThermalState solve(const SoilContent& soil, double enthalpy, double guess = 0.0) const;

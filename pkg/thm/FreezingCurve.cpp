@@ -12,21 +12,15 @@ namespace {
 
 	template <class Curve> class CurveOf final : public FreezingCurve {
 	public:
-		explicit CurveOf(const CurveParameters& parameters)
-		        : CurveOf(Curve(parameters), parameters)
-		{}
-		CurveOf(const Curve& curve, const CurveParameters& parameters)
+		explicit CurveOf(const Curve& curve)
 		        : curve_(curve)
-		        , name_(Curve::name())
-		        , parameters_(parameters)
 		{}
-		const std::string&     name() const override { return name_; }
-		const CurveParameters& parameters() const override { return parameters_; }
-		double                 freezingTemperature() const override { return curve_.freezingTemperature; }
-		double                 residualSaturation() const override { return curve_.residualSaturation; }
-		bool                   isSharp() const override { return Curve::sharp; }
-		double                 liquidSaturation(double temperature) const override { return curve_.liquidSaturation(temperature); }
-		double                 derivative(double temperature) const override { return curve_.derivative(temperature); }
+		std::string name() const override { return Curve::name(); }
+		double      freezingTemperature() const override { return curve_.freezingTemperature; }
+		double      residualSaturation() const override { return curve_.residualSaturation; }
+		bool        isSharp() const override { return Curve::sharp; }
+		double      liquidSaturation(double temperature) const override { return curve_.liquidSaturation(temperature); }
+		double      derivative(double temperature) const override { return curve_.derivative(temperature); }
 
 		std::size_t solveTemperatures(const EnthalpyModel& model, const EnthalpyBatch& batch) const override
 		{
@@ -34,20 +28,19 @@ namespace {
 		}
 
 	private:
-		Curve           curve_;
-		std::string     name_;
-		CurveParameters parameters_;
+		Curve curve_;
 	};
 
 	struct Registration {
-		std::vector<CurveParameter> (*parameters)();
+		CurveParameters (*parameters)();
 		FreezingCurvePtr (*make)(const CurveParameters&);
 	};
 
 	template <class Curve> std::pair<const std::string, Registration> entry()
 	{
-		return { Curve::name(),
-			 { &Curve::parameters, [](const CurveParameters& values) -> FreezingCurvePtr { return std::make_shared<CurveOf<Curve>>(values); } } };
+		return { Curve::name(), { &Curve::parameters, [](const CurveParameters& values) -> FreezingCurvePtr {
+			                         return std::make_shared<CurveOf<Curve>>(Curve(values));
+			                 } } };
 	}
 
 	const std::map<std::string, Registration>& registry()
@@ -59,10 +52,10 @@ namespace {
 		return table;
 	}
 
-	std::string listed(const std::vector<std::string>& names)
+	template <class Named> std::string listed(const std::map<std::string, Named>& all)
 	{
 		std::string text;
-		for (const std::string& name : names)
+		for (const auto& [name, of] : all)
 			text += (text.empty() ? "" : ", ") + name;
 		return text;
 	}
@@ -70,31 +63,25 @@ namespace {
 	const Registration& registered(const std::string& name)
 	{
 		const auto found = registry().find(name);
-		if (found == registry().end())
-			throw std::invalid_argument("FreezingCurve.curve = '" + name + "': choose one of " + listed(freezingCurveNames()));
+		if (found == registry().end()) throw std::invalid_argument("FreezingCurve.curve = '" + name + "': choose one of " + listed(registry()));
 		return found->second;
 	}
 
-	CurveParameters completed(const std::string& name, const std::vector<CurveParameter>& known, const CurveParameters& given)
+	/// given, and for what is missing there the values of known.
+	CurveParameters completed(const std::string& name, const CurveParameters& known, CurveParameters given)
 	{
-		CurveParameters          values;
-		std::vector<std::string> names;
-		for (const CurveParameter& parameter : known) {
-			values[parameter.name] = parameter.defaultValue;
-			names.push_back(parameter.name);
-		}
-		for (const auto& [key, value] : given) {
-			if (!values.count(key))
-				throw std::invalid_argument("FreezingCurve.curve = '" + name + "' has no parameter '" + key + "': it has " + listed(names));
-			values[key] = value;
-		}
-		return values;
+		for (const auto& [key, value] : given)
+			if (!known.count(key))
+				throw std::invalid_argument("FreezingCurve.curve = '" + name + "' has no parameter '" + key + "': it has " + listed(known));
+		given.insert(known.begin(), known.end());
+		return given;
 	}
 
-	std::vector<CurveParameter> with(std::vector<CurveParameter> parameters, const std::vector<CurveParameter>& more)
+	/// What all curves have, and more.
+	CurveParameters withBase(CurveParameters more)
 	{
-		parameters.insert(parameters.end(), more.begin(), more.end());
-		return parameters;
+		more.insert({ { "freezingTemperature", 0.0 }, { "residualSaturation", 0.05 } });
+		return more;
 	}
 
 	double positive(const CurveParameters& given, const std::string& name, const std::string& unit)
@@ -130,34 +117,19 @@ CurveBase::CurveBase(const CurveParameters& given)
 	        "must lie in [0, 1); 0.01 or more keeps the liquid defined in frozen ground");
 }
 
-std::vector<CurveParameter> CurveBase::baseParameters()
-{
-	return { { "freezingTemperature", 0.0, "T_f, ice forms below it [degC]" },
-		 { "residualSaturation", 0.05, "S_r, liquid saturation that never freezes [-], in [0,1)" } };
-}
-
-std::vector<CurveParameter> GaussCurve::parameters()
-{
-	return with(baseParameters(), { { "width", 0.5, "W, undercooling at which S_e = 1/e [K], usually 0.3 to 1" } });
-}
+CurveParameters GaussCurve::parameters() { return withBase({ { "width", 0.5 } }); }
 GaussCurve::GaussCurve(const CurveParameters& given)
         : CurveBase(given)
         , width(undercooling(given, "width"))
 {}
 
-std::vector<CurveParameter> ExponentialCurve::parameters()
-{
-	return with(baseParameters(), { { "width", 0.5, "W, undercooling at which S_e = 1/e [K], usually 0.1 to 1" } });
-}
+CurveParameters ExponentialCurve::parameters() { return withBase({ { "width", 0.5 } }); }
 ExponentialCurve::ExponentialCurve(const CurveParameters& given)
         : CurveBase(given)
         , width(undercooling(given, "width"))
 {}
 
-std::vector<CurveParameter> PowerCurve::parameters()
-{
-	return with(baseParameters(), { { "width", 1.0, "D [K]" }, { "exponent", 5.0, "a [-], > 1, usually 2 to 10" } });
-}
+CurveParameters PowerCurve::parameters() { return withBase({ { "width", 1.0 }, { "exponent", 5.0 } }); }
 PowerCurve::PowerCurve(const CurveParameters& given)
         : CurveBase(given)
         , scale(undercooling(given, "width"))
@@ -166,10 +138,7 @@ PowerCurve::PowerCurve(const CurveParameters& given)
 	requireSetting(std::isfinite(exponent) && exponent > 1.0, "FreezingCurve.exponent", exponent, "must exceed 1 (usual range 2 to 10)");
 }
 
-std::vector<CurveParameter> LinearCurve::parameters()
-{
-	return with(baseParameters(), { { "frozenTemperature", -1.0, "T_m, S_l = S_r below it [degC], < T_f" } });
-}
+CurveParameters LinearCurve::parameters() { return withBase({ { "frozenTemperature", -1.0 } }); }
 LinearCurve::LinearCurve(const CurveParameters& given)
         : CurveBase(given)
         , frozenTemperature(given.at("frozenTemperature"))
@@ -179,13 +148,9 @@ LinearCurve::LinearCurve(const CurveParameters& given)
 	        "must lie below freezingTemperature, in degC (for a jump choose the curve sharp)");
 }
 
-std::vector<CurveParameter> VanGenuchtenCurve::parameters()
+CurveParameters VanGenuchtenCurve::parameters()
 {
-	return with(
-	        baseParameters(),
-	        { { "airEntryPressure", 1e5, "P_0 [Pa]: sand 1e4 to 5e4, silt 5e4 to 5e5, clay 2e5 to 2e6" },
-	          { "exponent", 0.4, "lambda [-], in (0,1), usually 0.2 to 0.6" },
-	          { "suctionCoefficient", 910.0 * 334.0e3, "rho_i L_f [Pa]" } });
+	return withBase({ { "airEntryPressure", 1e5 }, { "exponent", 0.4 }, { "suctionCoefficient", 910.0 * 334.0e3 } });
 }
 VanGenuchtenCurve::VanGenuchtenCurve(const CurveParameters& given)
         : CurveBase(given)
@@ -197,7 +162,7 @@ VanGenuchtenCurve::VanGenuchtenCurve(const CurveParameters& given)
 	requireSetting(lambda > 0.0 && lambda < 1.0, "FreezingCurve.exponent", lambda, "must lie in (0, 1)");
 }
 
-std::vector<CurveParameter> SharpCurve::parameters() { return baseParameters(); }
+CurveParameters SharpCurve::parameters() { return withBase({}); }
 SharpCurve::SharpCurve(const CurveParameters& given)
         : CurveBase(given)
 {}
@@ -245,12 +210,7 @@ TableCurve::TableCurve(std::vector<CurvePoint> points)
 	residualSaturation  = points_.front().liquidSaturation;
 }
 
-FreezingCurvePtr makeFreezingCurve(const std::vector<CurvePoint>& points)
-{
-	const TableCurve curve(points);
-	return std::make_shared<CurveOf<TableCurve>>(
-	        curve, CurveParameters { { "freezingTemperature", curve.freezingTemperature }, { "residualSaturation", curve.residualSaturation } });
-}
+FreezingCurvePtr makeFreezingCurve(const std::vector<CurvePoint>& points) { return std::make_shared<CurveOf<TableCurve>>(TableCurve(points)); }
 
 FreezingCurvePtr makeFreezingCurve(const std::string& name, const CurveParameters& parameters)
 {
@@ -260,7 +220,7 @@ FreezingCurvePtr makeFreezingCurve(const std::string& name, const CurveParameter
 
 FreezingCurvePtr unfrozenCurve()
 {
-	static const FreezingCurvePtr curve = std::make_shared<CurveOf<UnfrozenCurve>>(CurveParameters {});
+	static const FreezingCurvePtr curve = std::make_shared<CurveOf<UnfrozenCurve>>(UnfrozenCurve({}));
 	return curve;
 }
 
@@ -272,6 +232,6 @@ std::vector<std::string> freezingCurveNames()
 	return names;
 }
 
-std::vector<CurveParameter> freezingCurveParameters(const std::string& name) { return registered(name).parameters(); }
+CurveParameters freezingCurveParameters(const std::string& name) { return registered(name).parameters(); }
 
 } // namespace talik

@@ -16,23 +16,15 @@ struct EnthalpyBatch;
 /// Named parameter values of a freezing curve.
 using CurveParameters = std::map<std::string, double>;
 
-/// One parameter of a freezing curve: name, default, unit and valid range in words.
-struct CurveParameter {
-	std::string name;
-	double      defaultValue;
-	std::string description;
-};
-
 /// Soil freezing characteristic curve S_l(T): liquid saturation against temperature [degC].
 /// S_l = 1 at and above freezingTemperature, decreasing to residualSaturation below; all curves are monotone.
 class FreezingCurve {
 public:
 	virtual ~FreezingCurve() = default;
 
-	virtual const std::string&     name() const                = 0;
-	virtual const CurveParameters& parameters() const          = 0; ///< every parameter with the value in use
-	virtual double                 freezingTemperature() const = 0; ///< T_f [degC]
-	virtual double                 residualSaturation() const  = 0; ///< S_r [-]
+	virtual std::string name() const                = 0;
+	virtual double      freezingTemperature() const = 0; ///< T_f [degC]
+	virtual double      residualSaturation() const  = 0; ///< S_r [-]
 	/// True if S_l jumps at T_f; liquid saturation is then an unknown of its own at T_f.
 	virtual bool isSharp() const = 0;
 
@@ -65,7 +57,7 @@ FreezingCurvePtr unfrozenCurve();
 /// Names of all registered curves, in alphabetical order.
 std::vector<std::string> freezingCurveNames();
 
-/// Parameters of a registered curve with defaults and descriptions.
-std::vector<CurveParameter> freezingCurveParameters(const std::string& name);
+/// Parameters of a registered curve with their defaults.
+CurveParameters freezingCurveParameters(const std::string& name);
 
 } // namespace talik

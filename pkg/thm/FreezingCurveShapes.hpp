@@ -29,18 +29,17 @@ struct CurveBase {
 	double residualSaturation  = 0.05; ///< S_r [-], in [0,1)
 
 	explicit CurveBase(const CurveParameters& given);
-	static std::vector<CurveParameter> baseParameters();
 
 	double scaled(double fraction) const { return residualSaturation + (1.0 - residualSaturation) * fraction; } ///< S_l of S_e, eq. (4.1)
 };
 
 /// S_e = exp(-(theta/W)^2), theta = T_f - T (McKenzie et al. 2007).
 struct GaussCurve : CurveBase {
-	static const char*                 name() { return "gauss"; }
-	static std::vector<CurveParameter> parameters();
+	static const char*     name() { return "gauss"; }
+	static CurveParameters parameters();
 	explicit GaussCurve(const CurveParameters& given);
 
-	double width; ///< W [K]
+	double width; ///< W [K]: S_e = 1/e at that undercooling, usually 0.1 to 1
 
 	double liquidSaturation(double temperature) const
 	{
@@ -64,11 +63,11 @@ private:
 
 /// S_e = exp(-theta/W).
 struct ExponentialCurve : CurveBase {
-	static const char*                 name() { return "exponential"; }
-	static std::vector<CurveParameter> parameters();
+	static const char*     name() { return "exponential"; }
+	static CurveParameters parameters();
 	explicit ExponentialCurve(const CurveParameters& given);
 
-	double width; ///< W [K]
+	double width; ///< W [K]: S_e = 1/e at that undercooling, usually 0.1 to 1
 
 	double liquidSaturation(double temperature) const
 	{
@@ -84,12 +83,12 @@ struct ExponentialCurve : CurveBase {
 
 /// S_e = (1 + theta/D)^-a.
 struct PowerCurve : CurveBase {
-	static const char*                 name() { return "power"; }
-	static std::vector<CurveParameter> parameters();
+	static const char*     name() { return "power"; }
+	static CurveParameters parameters();
 	explicit PowerCurve(const CurveParameters& given);
 
 	double scale;    ///< D [K]
-	double exponent; ///< a [-], > 1
+	double exponent; ///< a [-], > 1, usually 2 to 10
 
 	double liquidSaturation(double temperature) const
 	{
@@ -105,9 +104,9 @@ struct PowerCurve : CurveBase {
 
 /// S_e falls linearly from one at T_f to zero at frozenTemperature T_m; has exact moving-boundary solutions (Lunardini).
 struct LinearCurve : CurveBase {
-	static constexpr bool              piecewiseLinear = true;
-	static const char*                 name() { return "linear"; }
-	static std::vector<CurveParameter> parameters();
+	static constexpr bool  piecewiseLinear = true;
+	static const char*     name() { return "linear"; }
+	static CurveParameters parameters();
 	explicit LinearCurve(const CurveParameters& given);
 
 	double frozenTemperature; ///< T_m [degC], < T_f
@@ -134,12 +133,12 @@ struct LinearCurve : CurveBase {
 /// Clausius-Clapeyron suction s = -rho_i L_f ln(T_K/T_fK) in van Genuchten's retention curve,
 /// S_e = [1 + (s/P_0)^(1/(1-lambda))]^-lambda (form of Nishimura et al. 2009).
 struct VanGenuchtenCurve : CurveBase {
-	static const char*                 name() { return "vanGenuchten"; }
-	static std::vector<CurveParameter> parameters();
+	static const char*     name() { return "vanGenuchten"; }
+	static CurveParameters parameters();
 	explicit VanGenuchtenCurve(const CurveParameters& given);
 
-	double                  entryPressure;      ///< P_0 [Pa]
-	double                  lambda;             ///< [-], in (0,1)
+	double                  entryPressure;      ///< P_0 [Pa]: sand 1e4 to 5e4, silt 5e4 to 5e5, clay 2e5 to 2e6
+	double                  lambda;             ///< [-], in (0,1), usually 0.2 to 0.6
 	double                  suctionCoefficient; ///< rho_i L_f [Pa]
 	double                  freezingKelvin;     ///< T_f [K]
 	static constexpr double zeroCelsius = 273.15;
@@ -167,10 +166,10 @@ struct VanGenuchtenCurve : CurveBase {
 
 /// All pore water but the residual freezes at T_f itself.
 struct SharpCurve : CurveBase {
-	static constexpr bool              sharp           = true;
-	static constexpr bool              piecewiseLinear = true;
-	static const char*                 name() { return "sharp"; }
-	static std::vector<CurveParameter> parameters();
+	static constexpr bool  sharp           = true;
+	static constexpr bool  piecewiseLinear = true;
+	static const char*     name() { return "sharp"; }
+	static CurveParameters parameters();
 	explicit SharpCurve(const CurveParameters& given);
 
 	template <class RootBelow> Piece pieceOf(RootBelow&&) const { return { -std::numeric_limits<double>::infinity(), freezingTemperature }; }
@@ -222,9 +221,9 @@ private:
 
 /// Ground that never freezes.
 struct UnfrozenCurve : CurveBase {
-	static constexpr bool              neverFreezes = true;
-	static const char*                 name() { return "unfrozen"; }
-	static std::vector<CurveParameter> parameters() { return {}; }
+	static constexpr bool  neverFreezes = true;
+	static const char*     name() { return "unfrozen"; }
+	static CurveParameters parameters() { return {}; }
 	explicit UnfrozenCurve(const CurveParameters&)
 	        : CurveBase(CurveParameters {})
 	{}

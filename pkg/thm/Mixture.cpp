@@ -24,15 +24,9 @@ namespace {
 
 } // namespace
 
-const std::vector<std::string>& conductivityMeanNames()
-{
-	static const std::vector<std::string> names { "arithmetic", "geometric", "harmonic" };
-	return names;
-}
-
 ConductivityMean conductivityMeanFromName(const std::string& name)
 {
-	return static_cast<ConductivityMean>(placeOfName("GroundMaterial.conductivityMean", name, conductivityMeanNames()));
+	return static_cast<ConductivityMean>(placeOfName("GroundMaterial.conductivityMean", name, { "arithmetic", "geometric", "harmonic" }));
 }
 
 /// Eq. (3.2).

@@ -12,8 +12,7 @@ namespace talik {
 enum class ConductivityMean { arithmetic, geometric, harmonic };
 
 /// Name of a mean as scripts write it; throws std::invalid_argument listing the valid names.
-ConductivityMean                conductivityMeanFromName(const std::string& name);
-const std::vector<std::string>& conductivityMeanNames();
+ConductivityMean conductivityMeanFromName(const std::string& name);
 
 /// Intrinsic properties of one phase (soil grains, ice or liquid water) at the reference temperature.
 struct Phase {

@@ -74,12 +74,6 @@ double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, co
 
 // ---- permeability -------------------------------------------------------------------------------------------------------
 
-RelativeConductivity relativeConductivityFromName(const std::string& name)
-{
-	return static_cast<RelativeConductivity>(
-	        placeOfName("PoreWater.relativeConductivity", name, { "impedance", "vanGenuchtenMualem", "power", "iceAsGrain" }));
-}
-
 namespace {
 	bool inside(double value, double low, double high) { return value > low && value < high; }
 } // namespace
@@ -101,10 +95,6 @@ void Permeability::validate() const
 	requireConductivity(referenceConductivity, "PoreWater.conductivity");
 	requireReferencePorosity(referencePorosity, "PoreWater.referencePorosity");
 	requireImpedance(impedance, "PoreWater.impedance");
-	requireSetting(inside(exponent, 0.0, 100.0), "PoreWater.exponent", exponent, "must lie in (0, 100), usually 3 to 9");
-	requireSetting(inside(lambda, 0.0, 1.0), "PoreWater.lambda", lambda, "must lie in (0, 1)");
-	requireSetting(residualSaturation >= 0.0 && residualSaturation < 1.0, "FreezingCurve.residualSaturation", residualSaturation, "must lie in [0, 1)");
-	requireSetting(floor > 0.0 && floor <= 1.0, "PoreWater.relativeConductivityFloor", floor, "must lie in (0, 1], default 1e-6");
 	requireSetting(
 	        inside(hydraulicTimeScale, 1e-12, 1e12), "PoreWater.hydraulicTimeScale", hydraulicTimeScale, "must lie between 1e-12 and 1e12 (1: no scaling)");
 }

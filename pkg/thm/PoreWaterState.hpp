@@ -15,12 +15,6 @@ namespace talik {
 /// balances, or 1 - zeta n_i as printed in Yu & Zhao eq. (3).
 enum class MassCoefficient { exact, printed };
 
-/// Pressure of the pore liquid and the volume that it leaves empty.
-struct PorePressure {
-	double pressure; ///< p [Pa], compression positive, >= cavitationPressure
-	double gap;      ///< pore volume holding neither ice nor liquid at the cavitation pressure [m^3], >= 0
-};
-
 /// Unstressed volume of pore content and how it yields to pressure.
 struct PoreFill {
 	double volume;     ///< of liquid and ice [m^3]
@@ -75,12 +69,11 @@ struct PoreWaterState {
 	}
 
 	/// Pressure of masses [kg] in the pore volume [m^3]; at least one mass must be positive.
-	PorePressure pressure(const MixtureProperties& m, double liquidMass, double iceMass, double poreVolume, double temperature) const
+	double pressure(const MixtureProperties& m, double liquidMass, double iceMass, double poreVolume, double temperature) const
 	{
 		const PoreFill content = fill(m, liquidMass, iceMass, temperature);
 		const double   p       = (content.volume - poreVolume) / content.compliance;
-		if (p >= cavitationPressure) return { p, 0.0 };
-		return { cavitationPressure, (cavitationPressure - p) * content.compliance };
+		return p >= cavitationPressure ? p : cavitationPressure;
 	}
 
 	/// Water mass (ice + liquid) [kg] that fills the pore volume [m^3] at the pressure [Pa]; the inverse of pressure().
@@ -104,24 +97,14 @@ double undrainedModulus(const PressureCoefficients& c, double skeletonModulus);
 /// m_s = n_s rho_s + n_i rho_i, m_l = n_l rho_l. Without liquid, sqrt(M/m_s).
 double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, const PressureCoefficients& c, double oedometerModulus);
 
-/// How ice reduces the hydraulic conductivity.
-/// impedance: 10^(-Omega S_i); vanGenuchtenMualem: S_e^(1/2) [1 - (1 - S_e^(1/lambda))^lambda]^2; power: S_e^a;
-/// iceAsGrain: ice counts as solid in Kozeny-Carman, no further reduction.
-enum class RelativeConductivity { impedance, vanGenuchtenMualem, power, iceAsGrain };
-
-RelativeConductivity relativeConductivityFromName(const std::string& name);
-
 /// Eq. (5.1): hydraulic conductivity k = f_H k_ref KC(n)/KC(n_ref) max(k_r(S_l), floor) [m/s], KC(n) = n^3/(1-n)^2 (Kozeny-Carman).
 struct Permeability {
-	double               referenceConductivity = 1e-4; ///< k_ref of thawed ground at referencePorosity [m/s], > 0 (Yu & Zhao: 1e-4)
-	double               referencePorosity     = 0.4;  ///< n_ref [-], in (0,1)
-	RelativeConductivity law                   = RelativeConductivity::impedance;
-	double               impedance             = 6.0;  ///< Omega [-], >= 0, usually 4 to 10
-	double               exponent              = 3.0;  ///< a of the power law [-], > 0, usually 3 to 9
-	double               lambda                = 0.4;  ///< of van Genuchten-Mualem [-], in (0,1)
-	double               residualSaturation    = 0.05; ///< S_r in S_e = (S_l - S_r)/(1 - S_r) [-], in [0,1)
-	double               floor                 = 1e-6; ///< smallest k_r [-], in (0,1]; keeps the drag bounded
-	double               hydraulicTimeScale    = 1.0;  ///< f_H multiplies k, as the thermal time scale multiplies conduction [-], 1e-12 to 1e12
+	double referenceConductivity = 1e-4; ///< k_ref of thawed ground at referencePorosity [m/s], > 0 (Yu & Zhao: 1e-4)
+	double referencePorosity     = 0.4;  ///< n_ref [-], in (0,1)
+	double impedance             = 6.0;  ///< Omega [-], >= 0, usually 4 to 10
+	double hydraulicTimeScale    = 1.0;  ///< f_H multiplies k, as the thermal time scale multiplies conduction [-], 1e-12 to 1e12
+
+	static constexpr double floor = 1e-6; ///< smallest k_r [-]; keeps the drag bounded
 
 	/// Throws std::invalid_argument naming the attribute, its value and the valid range.
 	void validate() const;
@@ -129,54 +112,23 @@ struct Permeability {
 	/// KC(n)/KC(n_ref) [-], porosity in (0,1)
 	double porosityFactor(double porosity) const { return kozenyCarman(porosity) / kozenyCarman(referencePorosity); }
 
-	/// 10^(-Omega S_i) [-]
-	double impeded(double liquidSaturation) const
-	{
-		constexpr double ln10 = 2.302585092994045684;
-		return exponential(-impedance * ln10 * (1.0 - liquidSaturation));
-	}
-
 	/// k_r [-] in [floor, 1], eq. (5.2), liquidSaturation in [0,1]
 	double relative(double liquidSaturation) const
 	{
-		const double effective = std::min(1.0, std::max(0.0, (liquidSaturation - residualSaturation) / (1.0 - residualSaturation)));
-		double       kr        = 1.0;
-		switch (law) {
-			case RelativeConductivity::impedance: kr = impeded(liquidSaturation); break;
-			case RelativeConductivity::vanGenuchtenMualem: {
-				const double bracket = 1.0 - std::pow(1.0 - std::pow(effective, 1.0 / lambda), lambda);
-				kr                   = std::sqrt(effective) * bracket * bracket;
-				break;
-			}
-			case RelativeConductivity::power: kr = std::pow(effective, exponent); break;
-			case RelativeConductivity::iceAsGrain: break;
-		}
-		return std::min(1.0, std::max(floor, kr));
+		constexpr double ln10 = 2.302585092994045684;
+		return std::min(1.0, std::max(floor, exponential(-impedance * ln10 * (1.0 - liquidSaturation))));
 	}
 
-	/// k [m/s] at the porosity and liquid saturation
+	/// k [m/s] at the porosity and liquid saturation; without branches, for loops over points.
 	double conductivity(double porosity, double liquidSaturation) const
 	{
-		const double k = hydraulicTimeScale * referenceConductivity;
-		if (law == RelativeConductivity::iceAsGrain) return k * std::max(floor, porosityFactor(porosity * liquidSaturation));
-		return k * porosityFactor(porosity) * relative(liquidSaturation);
-	}
-
-	/// The same by the impedance law, whatever is chosen; without branches, for loops over points.
-	double impededConductivity(double porosity, double liquidSaturation) const
-	{
-		return hydraulicTimeScale * referenceConductivity * porosityFactor(porosity) * std::min(1.0, std::max(floor, impeded(liquidSaturation)));
+		return hydraulicTimeScale * referenceConductivity * porosityFactor(porosity) * relative(liquidSaturation);
 	}
 
 	/// Acceleration of gravity in the definition of hydraulic conductivity: a material constant, independent of body forces [m/s^2].
 	static constexpr double gravity = 9.81;
 
-	/// Drag of one material point between liquid and solid, eq. (5.3): V n_l^2 rho_l g/k = m_l n_l g/k [kg/s].
-	double drag(double liquidMass, double porosity, double liquidSaturation) const
-	{
-		return dragAt(liquidMass, porosity * liquidSaturation, conductivity(porosity, liquidSaturation));
-	}
-	/// The same from the liquid fraction n_l and the conductivity [m/s].
+	/// Drag of one material point between liquid and solid, eq. (5.3): V n_l^2 rho_l g/k = m_l n_l g/k [kg/s], with the conductivity k [m/s].
 	static double dragAt(double liquidMass, double liquidFraction, double conductivity) { return liquidMass * liquidFraction * gravity / conductivity; }
 
 private:

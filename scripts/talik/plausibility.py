@@ -317,7 +317,7 @@ def heaveIsAbsent(ground):
 def segregationOfTheDefault(ground):
 	"""What the water that ice draws is computed from, if it is not measured."""
 	segregation, water = ground.mpm.segregation, ground.mpm.water
-	if not (segregation and water) or not math.isnan(segregation.segregationPotential) or water.relativeConductivity != "impedance":
+	if not (segregation and water) or not math.isnan(segregation.segregationPotential):
 		return
 	if water.impedance == wrapper.PoreWater().impedance:
 		yield (

@@ -95,7 +95,7 @@ TEST(Enthalpy, ApparentCapacityIsTheSlopeOfTheEnthalpy)
 		for (double t : { 2.0, -0.05, -0.31, -0.7, -9.0 }) {
 			const double h       = 1e-5;
 			const double numeric = (model.enthalpy(soil, t + h) - model.enthalpy(soil, t - h)) / (2.0 * h);
-			EXPECT_NEAR(model.apparentCapacity(soil, t) / numeric, 1.0, 1e-6) << curve->name() << " at " << t;
+			EXPECT_NEAR(model.stateAt(soil, t).apparentCapacity / numeric, 1.0, 1e-6) << curve->name() << " at " << t;
 			EXPECT_GT(numeric, 0.0);
 		}
 	}

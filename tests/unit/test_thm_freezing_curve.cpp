@@ -102,7 +102,7 @@ TEST(FreezingCurve, DefaultIsGaussOfHalfKelvinWithFivePercentResidual)
 {
 	const auto curve = makeFreezingCurve();
 	EXPECT_EQ(curve->name(), "gauss");
-	EXPECT_EQ(curve->parameters().at("width"), 0.5);
+	EXPECT_NEAR(curve->liquidSaturation(-0.5), 0.05 + 0.95 * std::exp(-1.0), 1e-15);
 	EXPECT_EQ(curve->residualSaturation(), 0.05);
 	EXPECT_EQ(curve->freezingTemperature(), 0.0);
 }

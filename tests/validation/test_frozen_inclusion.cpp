@@ -49,7 +49,6 @@ GroundSettings<2> channel(const FrozenInclusion& c, double h, double height, dou
 	s.water->permeability.referenceConductivity = accelerated * c.thawedConductivity();
 	s.water->permeability.referencePorosity     = c.porosity;
 	s.water->permeability.impedance             = c.impedance * c.porosity;
-	s.water->permeability.floor                 = c.smallestRelative;
 	s.water->hydraulicTimeScale                 = 1.0;
 	s.water->largestConductivity                = INFINITY; // accelerated beyond what pressure at rest needs: water shall carry its heat
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("left"), c.waterDensity * c.gravity * c.headDifference);

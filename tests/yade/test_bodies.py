@@ -382,7 +382,7 @@ def test_temperatures_of_bodies_without_sense_are_refused():
 		refusal(pattern)
 	mpm = warmPlate()
 	mpm.boundaries = [*mpm.boundaries, wrapper.BodyTemperature(bodies=[0], temperature=5)]
-	refusal("BodyTemperature on body 0 overlaps")
+	refusal("BodyTemperature of body 0 overlaps")
 	mpm = warmPlate()
 	mpm.bodies = None
 	refusal("BodyTemperature of body 0: the ground meets no bodies")

@@ -240,11 +240,6 @@ refused = {
 	"time backwards for heat": (dict(motion=False, heat=lambda: HeatTransfer(thermalTimeScale=-1)), "HeatTransfer.thermalTimeScale = -1", "must be positive"),
 	"impermeable water": (dict(**motion, water=lambda: PoreWater(conductivity=0)), "PoreWater.conductivity = 0", "must be positive, in m/s"),
 	"negative bulk modulus": (dict(**motion, water=lambda: PoreWater(bulkModulus=-1)), "PoreWater.bulkModulus = -1", "must be positive, in Pa"),
-	"unknown conductivity of frozen ground": (
-		dict(**motion, water=lambda: PoreWater(relativeConductivity="x")),
-		"PoreWater.relativeConductivity = 'x'",
-		"choose one of impedance",
-	),
 	"ice heavier than water": (dict(**heat, material=lambda: GroundMaterial(iceDensity=1100)), "GroundMaterial.iceDensity = 1100", "must not exceed"),
 	"negative stiffness": (dict(skeleton=lambda: ElasticSkeleton(young=-1)), "ElasticSkeleton.young = -1", "must be positive, in Pa"),
 	"incompressible skeleton": (dict(skeleton=lambda: ElasticSkeleton(poisson=0.5)), "ElasticSkeleton.poisson = 0.5", "must lie in"),

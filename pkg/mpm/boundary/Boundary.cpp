@@ -40,60 +40,6 @@ std::vector<std::string> sideNames(int dimensions)
 
 std::string nameOf(const Side& side, int dimensions) { return sideNames(dimensions)[2 * side.axis + (side.upper ? 1 : 0)]; }
 
-template <int D> Region<D> Region<D>::side(const std::string& name)
-{
-	Region r;
-	r.kind = Kind::side;
-	r.on   = sideFromName(name, D);
-	return r;
-}
-
-template <int D> Region<D> Region<D>::freeSurface()
-{
-	Region r;
-	r.kind = Kind::freeSurface;
-	return r;
-}
-
-template <int D> Region<D> Region<D>::cavitySurface()
-{
-	Region r   = freeSurface();
-	r.cavities = true;
-	return r;
-}
-
-template <int D> Region<D> Region<D>::nodeBox(const Vec<D>& lower, const Vec<D>& upper)
-{
-	Region r;
-	r.kind     = Kind::nodeBox;
-	r.boxLower = lower;
-	r.boxUpper = upper;
-	return r;
-}
-
-template <int D> Region<D> Region<D>::disc(const Vec<D>& lower, const Vec<D>& upper)
-{
-	Region r = nodeBox(lower, upper);
-	r.round  = true;
-	return r;
-}
-
-template <int D> Region<D> Region<D>::facing(const std::vector<int>& bodies)
-{
-	Region r;
-	r.kind = Kind::bodies;
-	r.ids  = bodies;
-	return r;
-}
-
-template <int D> Region<D> Region<D>::within(const Vec<D>& lower, const Vec<D>& upper) const
-{
-	Region r   = *this;
-	r.boxLower = lower;
-	r.boxUpper = upper;
-	return r;
-}
-
 template <int D> bool Region<D>::holds(const Vec<D>& x, double tolerance) const
 {
 	for (int a = 0; a < D; ++a)
@@ -205,10 +151,6 @@ template <int D> void Boundary<D>::requireTemperatures(const TimeTable& temperat
 	for (double t : temperature.values())
 		requireSetting(t > -100.0 && t < 100.0, name_ + ".temperature", t, "must lie between -100 and 100 degC");
 }
-
-template <int D> Vec<D> Boundary<D>::traction(double, const Vec<D>&) const { return Vec<D> {}; }
-
-template <int D> Vec<D> Boundary<D>::velocity(double) const { return Vec<D> {}; }
 
 template <int D> double Boundary<D>::away(const Vec<D>& path) const { return onSide() ? std::abs(path[region_.on.axis]) : lengthOf<D>(path); }
 

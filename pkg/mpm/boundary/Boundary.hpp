@@ -60,18 +60,18 @@ template <int D> struct Region {
 	Side             on {};
 	bool             round    = false; ///< nodeBox: the ellipse (ellipsoid) that fits into the box, in place of the box
 	bool             cavities = false; ///< freeSurface: of hollows that no air from outside reaches, in place of the rest
-	std::vector<int> ids;              ///< bodies: their numbers, or those of their groups
+	std::vector<int> ids {};           ///< bodies: their numbers, or those of their groups
 	Vec<D>           boxLower = filled(-std::numeric_limits<double>::infinity()); ///< [m]
 	Vec<D>           boxUpper = filled(std::numeric_limits<double>::infinity());  ///< [m]
 
-	static Region side(const std::string& name);
-	static Region freeSurface();
-	static Region cavitySurface();
-	static Region nodeBox(const Vec<D>& lower, const Vec<D>& upper);
-	static Region disc(const Vec<D>& lower, const Vec<D>& upper);
-	static Region facing(const std::vector<int>& bodies);
+	static Region side(const std::string& name) { return { Kind::side, sideFromName(name, D) }; }
+	static Region freeSurface() { return { Kind::freeSurface }; }
+	static Region cavitySurface() { return { Kind::freeSurface, {}, false, true }; }
+	static Region nodeBox(const Vec<D>& lower, const Vec<D>& upper) { return Region { Kind::nodeBox }.within(lower, upper); }
+	static Region disc(const Vec<D>& lower, const Vec<D>& upper) { return Region { Kind::nodeBox, {}, true }.within(lower, upper); }
+	static Region facing(const std::vector<int>& bodies) { return { Kind::bodies, {}, false, false, bodies }; }
 	/// The same region limited to a box [m].
-	Region within(const Vec<D>& lower, const Vec<D>& upper) const;
+	Region within(const Vec<D>& lower, const Vec<D>& upper) const { return { kind, on, round, cavities, ids, lower, upper }; }
 
 	bool        holds(const Vec<D>& x, double tolerance) const;
 	std::string describe() const;
@@ -192,7 +192,7 @@ public:
 	virtual bool joinsSides() const { return false; }
 	/// True if its nodes have a prescribed velocity other than zero, velocity(time) [m/s].
 	virtual bool   moves() const { return false; }
-	virtual Vec<D> velocity(double time) const;
+	virtual Vec<D> velocity(double) const { return Vec<D> {}; }
 	/// Path that has led the wall to where it stands at the start [m].
 	virtual Vec<D> pathBefore() const { return Vec<D> {}; }
 	/// Part of a path of the wall that leads it away from its nodes [m].
@@ -206,7 +206,7 @@ public:
 	virtual double temperature(double) const { return 0.0; }
 
 	/// Force per area on the surface with the given outward unit normal [Pa].
-	virtual Vec<D> traction(double time, const Vec<D>& normal) const;
+	virtual Vec<D> traction(double, const Vec<D>&) const { return Vec<D> {}; }
 	virtual bool   loads() const { return false; }
 	/// Heat through the surface.
 	virtual SurfaceHeat heat(double) const { return {}; }

@@ -295,7 +295,7 @@ template <int D> void PoreContent<D>::updatePressure(const Block& b, double* pre
 	double* const           pressure = pressures + b.first;
 #pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k)
-		pressure[k] = state.pressure(m, contents[k] - b.ice[k], b.ice[k], b.poreVolume[k], b.temperature[k]).pressure;
+		pressure[k] = state.pressure(m, contents[k] - b.ice[k], b.ice[k], b.poreVolume[k], b.temperature[k]);
 }
 
 template <int D> void PoreContent<D>::findFill(const Block& b, double (&excess)[blockSize], double (&compliance)[blockSize]) const
@@ -381,7 +381,7 @@ template <int D> void PoreContent<D>::updateDrag(const Block& b, const OfWater& 
 {
 	Permeability law = b.of->permeability;
 	law.hydraulicTimeScale *= b.of->seepageScale;
-	const double        perDensity = 1.0 / b.of->mixture.liquid.density, floor = law.floor;
+	const double        perDensity     = 1.0 / b.of->mixture.liquid.density;
 	const double* const contents       = waterMass + b.first;
 	const double* const n              = porosity + b.first;
 	const double* const volume         = volume_ + b.first;
@@ -394,14 +394,9 @@ template <int D> void PoreContent<D>::updateDrag(const Block& b, const OfWater& 
 	for (int k = 0; k < b.count; ++k) {
 		liquidFraction[k] = (contents[k] - b.ice[k]) * perDensity / volume[k];
 		const double fill = std::min(1.0, liquidFraction[k] / (n[k] * b.liquidSaturation[k]));
-		open[k]           = std::max(floor, fill * fill * fill);
+		open[k]           = std::max(Permeability::floor, fill * fill * fill);
 	}
-	if (law.law == RelativeConductivity::impedance) {
 #pragma GCC ivdep
-		for (int k = 0; k < b.count; ++k)
-			drag[k] = law.dragAt(contents[k] - b.ice[k], liquidFraction[k], open[k] * law.impededConductivity(n[k], b.liquidSaturation[k]));
-		return;
-	}
 	for (int k = 0; k < b.count; ++k)
 		drag[k] = law.dragAt(contents[k] - b.ice[k], liquidFraction[k], open[k] * law.conductivity(n[k], b.liquidSaturation[k]));
 }

@@ -45,17 +45,13 @@ bool PointFields::has(const std::string& name) const
 	return std::any_of(info_.begin(), info_.end(), [&](const FieldInfo& f) { return f.name == name; });
 }
 
-double* PointFields::component(Handle field, int component) { return const_cast<double*>(static_cast<const PointFields&>(*this).component(field, component)); }
-
-const double* PointFields::component(Handle field, int component) const
+double* PointFields::component(Handle field, int component) const
 {
 	if (field < 0 || field >= int(info_.size()) || component < 0 || component >= info_[field].components) return nullptr;
 	return arrays_[firstArray_[field] + component];
 }
 
-double* PointFields::find(const std::string& name, int component) { return const_cast<double*>(static_cast<const PointFields&>(*this).find(name, component)); }
-
-const double* PointFields::find(const std::string& name, int component) const
+double* PointFields::find(const std::string& name, int component) const
 {
 	for (std::size_t i = 0; i < info_.size(); ++i)
 		if (info_[i].name == name) return this->component(Handle(i), component);

@@ -38,10 +38,8 @@ public:
 	bool has(const std::string& name) const;
 
 	/// Array of one component; nullptr if the field is not there.
-	double*       component(Handle field, int component = 0);
-	const double* component(Handle field, int component = 0) const;
-	double*       find(const std::string& name, int component = 0);
-	const double* find(const std::string& name, int component = 0) const;
+	double* component(Handle field, int component = 0) const;
+	double* find(const std::string& name, int component = 0) const;
 
 	const std::vector<FieldInfo>& list() const { return info_; }
 

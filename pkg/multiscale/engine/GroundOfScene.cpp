@@ -60,7 +60,7 @@ namespace {
 		if (engine.freezing) s.freezing = engine.freezing->build();
 		s.thawFront.reset();
 		if (engine.thawFront) s.thawFront = engine.thawFront->build();
-		if (engine.water) s.water = engine.water->build(engine.freezing ? engine.freezing->residual() : 0);
+		if (engine.water) s.water = engine.water->build();
 		if (engine.segregation) s.segregation = engine.segregation->build();
 		s.deformationRecord = engine.motion && engine.deformationRecord;
 		for (const auto& boundary : engine.boundaries)

@@ -48,12 +48,11 @@ talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const Por
 		throw std::invalid_argument("GroundMaterial.hydraulicConductivity, referencePorosity or impedance is set but MpmEngine.water is None: add "
 		                            "water=PoreWater() or leave it out.");
 	if (!water) return s;
-	const FreezingCurve* const curve = freezing ? freezing.get() : ofScene;
-	s.permeability                   = water->build(curve ? curve->residual() : 0).permeability;
-	const auto take                  = [&](Real own, double& value, auto requireValid, const char* attribute) {
-                if (std::isnan(own)) return;
-                requireValid(own, string("GroundMaterial.") + attribute);
-                value = own;
+	s.permeability  = water->build().permeability;
+	const auto take = [&](Real own, double& value, auto requireValid, const char* attribute) {
+		if (std::isnan(own)) return;
+		requireValid(own, string("GroundMaterial.") + attribute);
+		value = own;
 	};
 	take(hydraulicConductivity, s.permeability->referenceConductivity, talik::requireConductivity, "hydraulicConductivity");
 	take(referencePorosity, s.permeability->referencePorosity, talik::requireReferencePorosity, "referencePorosity");
@@ -83,15 +82,6 @@ talik::HeatSettings HeatTransfer::build() const
 	TALIK_TAKE(heat, *this, TALIK_HEAT_TRANSFER)
 	return heat;
 }
-
-namespace {
-	bool hasParameter(const string& curve, const string& parameter)
-	{
-		for (const auto& known : talik::freezingCurveParameters(curve))
-			if (known.name == parameter) return true;
-		return false;
-	}
-} // namespace
 
 Real FreezingCurve::residual() const { return curve == "table" && !liquidSaturations.empty() ? liquidSaturations.front() : residualSaturation; }
 
@@ -142,7 +132,7 @@ talik::FreezingCurvePtr FreezingCurve::build() const
                         given["frozenTemperature"] = freezingTemperature - value;
                         return;
                 }
-                if (!hasParameter(curve, attribute))
+                if (!talik::freezingCurveParameters(curve).count(attribute))
                         throw std::invalid_argument(
 			                    "FreezingCurve." + attribute + " = " + talik::asText(value) + ": the curve " + curve + " has none; leave it out");
                 given[attribute] = value;
@@ -153,7 +143,7 @@ talik::FreezingCurvePtr FreezingCurve::build() const
 	return talik::makeFreezingCurve(curve, given);
 }
 
-talik::WaterSettings PoreWater::build(Real residualSaturation) const
+talik::WaterSettings PoreWater::build() const
 {
 	talik::WaterSettings water;
 	water.implicit = pressure == "implicit";
@@ -168,13 +158,10 @@ talik::WaterSettings PoreWater::build(Real residualSaturation) const
 	water.permeability.referenceConductivity = conductivity;
 	water.permeability.referencePorosity     = referencePorosity;
 	water.permeability.impedance             = impedance;
-	water.permeability.residualSaturation    = residualSaturation;
-	water.permeability.floor                 = relativeConductivityFloor;
 	water.hydraulicTimeScale                 = hydraulicTimeScale;
 	if (!std::isnan(hydraulicTimeScale)) water.permeability.hydraulicTimeScale = hydraulicTimeScale; // for its check
 	water.picTime = picTime;
 	talik::requireSetting(!(picTime < 0), "PoreWater.picTime", picTime, "must not be negative, in s; inf: none dies out, nan: chosen");
-	water.permeability.law = talik::relativeConductivityFromName(relativeConductivity);
 	water.state.validate();
 	water.permeability.validate();
 	water.permeability.hydraulicTimeScale = 1;

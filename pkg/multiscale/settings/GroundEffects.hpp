@@ -65,7 +65,7 @@ REGISTER_SERIALIZABLE(ThawFront);
 /// Effect: pore water moves and carries pressure, Yu & Zhao eqs (2), (3).
 class PoreWater : public Serializable {
 public:
-	talik::WaterSettings build(Real residualSaturation) const;
+	talik::WaterSettings build() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(PoreWater,Serializable,"Effect of a scene: pore water with its own velocity, pressure and seepage. Needs motion. The drag "
 			"between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: "
@@ -74,9 +74,7 @@ public:
 				"referencePorosity, 0.049 by default (1e-2 at least), are lowered to that, with a warning; pressure then comes to rest within a fraction of a second. "
 				"MpmEngine.calendar['largestConductivity'] has the limit in force."))
 		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]. At other porosities it follows Kozeny-Carman."))
-		((string,relativeConductivity,"impedance",,"How ice reduces the conductivity: impedance (10^(-Omega S_i)), vanGenuchtenMualem, power, iceAsGrain."))
-		((Real,impedance,6,,"Omega of impedance [-], >= 0."))
-		((Real,relativeConductivityFloor,1e-6,,"Smallest relative conductivity [-], in (0,1]."))
+		((Real,impedance,6,,"Omega [-], >= 0: ice reduces the conductivity by the factor 10^(-Omega S_i), but no further than by 1e-6."))
 		((Real,hydraulicTimeScale,NaN,,"f_H multiplies the conductivity and the inflow of WaterFlux [-], 1e-12 to 1e12. NaN: the scale of the calendar, so that "
 				"thaw and consolidation keep their ratio. A number replaces it; 1 leaves seepage in seconds of motion. Seepage is accelerated only up to the conductivity "
 				"at which pressure comes to rest within a fraction of a second, see MpmEngine.calendar['largestConductivity']."))
