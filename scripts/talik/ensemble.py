@@ -318,7 +318,7 @@ def drawPaths(histories, label="largest displacement [m]"):
 	lines[0].set_label("single runs")
 	axes.plot(days, middle, color="navy", label=f"median of {len(paths)} runs")
 	axes.set(xlabel="day", ylabel=label, xlim=(days[0], days[-1]), ylim=(0, None))
-	axes.legend(frameon=False, loc="upper left")
+	axes.legend(frameon=False, loc="best")
 	return fig
 
 
