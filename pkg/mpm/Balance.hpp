@@ -16,7 +16,7 @@ template <int D> struct StepAccount {
 	Vec<D> momentumOut {};           ///< with the water [N s]
 	double waterOut         = 0.0;   ///< left through drained boundaries [kg]
 	double enthalpyOut      = 0.0;   ///< carried out by water [J]
-	double gravityEnergyOut = 0.0;   ///< potential energy of that water
+	double waterEnergyOut   = 0.0;   ///< of that water where it leaves: potential energy, and the pressure outside
 	double heatIn           = 0.0;   ///< conducted in through boundaries and produced by sources [J]
 	double skeletonWork     = 0.0;   ///< done on the skeleton by effective stress
 	double porePressureWork = 0.0;   ///< done by pore pressure on the pore content

@@ -93,7 +93,7 @@ private:
 	void keepEnergy(const Balance<D>& b)
 	{
 		const double brought = outsideStart_ - outside_.energy();
-		const double held    = b.kineticEnergy - start_.kineticEnergy + b.gravityEnergy + b.gravityEnergyOut - start_.gravityEnergy - brought;
+		const double held    = b.kineticEnergy - start_.kineticEnergy + b.gravityEnergy + b.waterEnergyOut - start_.gravityEnergy - brought;
 		const double spent   = b.skeletonWork + b.porePressureWork - b.workAhead + b.dragDissipation + b.dampingDissipation - b.loadWork - b.wallWork
 		        - b.segregationWork;
 		const double turned = b.kineticEnergy + start_.kineticEnergy + std::abs(b.gravityEnergy - start_.gravityEnergy) + std::abs(b.skeletonWork)

@@ -927,7 +927,7 @@ template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, 
 		if (mass == 0.0) continue;
 		StepAccount<D>& account = step.ledger.ofCell(c);
 		account.waterOut += mass;
-		account.gravityEnergyOut += cells_[c].out * water.heightOfCell(c);
+		account.waterEnergyOut += cells_[c].out * (water.heightOfCell(c) - cells_[c].drives / cells_[c].drained);
 		if (enthalpy) account.enthalpyOut += mass * enthalpy->liquidEnthalpy(cells_[c].warmth / cells_[c].liquidMass);
 		for (int a = 0; a < D; ++a)
 			account.momentumOut[a] += mass / cells_[c].liquidMass * cells_[c].carried[a];

@@ -369,7 +369,7 @@ template <int D> void PoreWater<D>::leave(int node, double mass, double heat, do
 	r[Gathered::enthalpy] -= heat;
 	account.waterOut += mass;
 	account.enthalpyOut += heat;
-	account.gravityEnergyOut += mass / liquidDensity * nodes[node][potentialAt] * nodal[node][Driving::perLiquidMass];
+	account.waterEnergyOut += mass / liquidDensity * nodes[node][potentialAt] * nodal[node][Driving::perLiquidMass];
 	for (int a = 0; a < D; ++a) {
 		const double momentum = mass * start[node][a];
 		r[Gathered::momentum + a] -= momentum;
@@ -535,7 +535,7 @@ template <int D> void PoreWater<D>::limitOutflow(const ActiveRange& range, doubl
 		const double    held    = cell.liquidMass * (1.0 - given);
 		account.waterOut += held * cell.exchange[Gathered::water];
 		account.enthalpyOut += held * cell.exchange[Gathered::enthalpy];
-		account.gravityEnergyOut += held * cell.exchange[Gathered::water] * cell.height / liquidDensity;
+		account.waterEnergyOut += held * cell.exchange[Gathered::water] * cell.height / liquidDensity;
 		for (int a = 0; a < D; ++a)
 			account.momentumOut[a] += held * cell.exchange[Gathered::momentum + a];
 		for (double& share : cell.exchange)

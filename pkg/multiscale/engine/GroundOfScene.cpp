@@ -147,7 +147,7 @@ namespace {
 			d["momentum"] = tupleOf(b.momentum);
 			d["impulse"]  = tupleOf(b.impulse);
 			TALIK_PUT_MEMBERS(d, b, (enthalpy)(heatIn)(enthalpyOut)(kineticEnergy)(gravityEnergy)(skeletonWork)(porePressureWork))
-			if (inside.settings().water) d["gravityEnergyOut"] = b.gravityEnergyOut;
+			if (inside.settings().water) d["waterEnergyOut"] = b.waterEnergyOut;
 			TALIK_PUT_MEMBERS(d, b, (dragDissipation)(dampingDissipation)(loadWork)(slipWork)(wallWork))
 			if (inside.settings().segregation) d["waterDrawn"] = b.waterDrawn;
 			if (inside.settings().segregation || (inside.settings().freezing && inside.settings().water)) d["segregationWork"] = b.segregationWork;

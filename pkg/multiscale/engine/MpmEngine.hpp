@@ -241,7 +241,7 @@ public:
 				"fields.")
 		.def_readwrite("inspected",&MpmEngine::inspected,"True while O shows one of the samples: the ground does not step then. Set by inspect() and back().")
 		.def("balance",&MpmEngine::balance,"Dictionary: masses, momentum, enthalpy and energies now, and all that crossed the boundary since the start. heatIn is "
-				"positive into the ground, waterOut, enthalpyOut and gravityEnergyOut (of that water, by its height) out of it; impulse is that on the "
+				"positive into the ground, waterOut, enthalpyOut and waterEnergyOut (of that water, by its height) out of it; impulse is that on the "
 				"ground; skeletonWork and porePressureWork are done on skeleton and pore content, loadWork by SurfaceLoad, wallWork by MovingBoundary, slipWork by the "
 				"force at the thaw front, segregationWork by suction on the water that freezing ground has drawn, waterDrawn [kg].")
 		.def("cost",&MpmEngine::cost,"Wall time spent since this engine started [s], a dictionary with an entry for every effect that the scene has and no other: "
