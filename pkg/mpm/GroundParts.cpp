@@ -81,6 +81,7 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	        });
 	if (!average) return;
 	cells->finish(ranks.owned());
+	bBar.finish(ranks.owned(), *cells);
 	if (!water) return;
 	water->finishPressure(halo);
 	water->findDrivingPressure(grid, halo, *cells, motion->settings->gravity, liquidDensity());

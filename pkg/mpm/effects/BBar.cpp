@@ -5,69 +5,72 @@
 
 namespace talik {
 
-namespace {
-	/// Of the total stress.
-	template <int D> double averagedStress(const SolidMotion<D>& motion, const PoreWater<D>* water, int p)
-	{
-		return motion.averagedStress(p) - (water ? water->pressure[p] : 0.0);
-	}
-} // namespace
-
 template <int D>
 void BBar<D>::addToCells(
         CellMeans<D>& cells, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water, const PoreContent<D>* content, int first,
         int last)
 {
-	const double* volume = points.volume();
-	for (int p = first; p < last; ++p)
-		cells.add(p, volume[p] * averagedStress(motion, water, p));
-	addWeights(cells, points, motion, water, content, first, last);
-}
-
-template <int D>
-void BBar<D>::addWeights(
-        const CellMeans<D>& cells, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water, const PoreContent<D>* content,
-        int first, int last)
-{
-	const Vec<D> g      = motion.settings->gravity;
-	const double square = dot<D>(g, g);
+	const Vec<D>                       g = motion.settings->gravity, share = motion.traceShare;
+	const double                       square = dot<D>(g, g);
+	const std::array<const double*, D> x      = points.positions();
+	const auto                         stress = motion.stress;
+	const double *const mass = motion.mass, *const volume = points.volume(), *const pressure = water ? water->pressure : nullptr;
+	double part[stressSize<D>] = {}; // of the components in the stress along gravity
+	for (int i = 0; i < D && square > 0.0; ++i)
+		for (int j = 0; j < D; ++j)
+			part[stressIndex<D>(i, j)] += g[i] * g[j] / square;
 	for (int p = first; p < last; ++p) {
-		Weight&      cell   = weights_[cells.cell(p)];
-		const double volume = points.volume()[p];
-		double       along  = water ? -water->pressure[p] : 0.0;
-		for (int i = 0; i < D; ++i) {
-			cell.place[i] += volume * points.position(i)[p];
-			for (int j = 0; j < D && square > 0.0; ++j)
-				along += g[i] * g[j] / square * motion.stress[stressIndex<D>(i, j)][p];
+		double along = pressure ? -pressure[p] : 0.0, mean = along, depth = 0.0;
+		for (int k = 0; k < stressSize<D>; ++k)
+			along += part[k] * stress[k][p];
+		for (int a = 0; a < D; ++a) {
+			mean += share[a] * stress[a][p];
+			depth += g[a] * x[a][p];
 		}
-		cell.along += volume * along;
-		cell.mass += motion.mass[p] + (water ? content->liquidMass(p) : 0.0);
+		cells.add(p, volume[p] * mean);
+		Weight& cell = weights_[cells.cell(p)];
+		cell.depth += volume[p] * depth;
+		cell.along += volume[p] * along;
+		cell.mass += mass[p] + (water ? content->liquidMass(p) : 0.0);
 	}
 }
 
-/// What the weight of a cell adds to its mean stress at a point, by the ratio of the mean to the stress along gravity. It does not turn the sign of
-/// the mean: ground that nothing carries has none.
-template <int D> double BBar<D>::stressOfWeight(const CellMeans<D>& cells, const MaterialPoints<D>& points, const Vec<D>& gravity, int p, double mean) const
+template <int D> void BBar<D>::finish(const ActiveRange& range, const CellMeans<D>& cells)
 {
-	const Weight& cell   = weights_[cells.cell(p)];
-	const double  volume = cells.cellVolume(cells.cell(p)), along = cell.along / volume;
-	if (!(mean < 0.0 && along < 0.0)) return 0.0;
-	double below = 0.0;
-	for (int a = 0; a < D; ++a)
-		below += gravity[a] * (points.position(a)[p] - cell.place[a] / volume);
-	const double added = -std::min(1.0, mean / along) * cell.mass / volume * below;
-	return std::clamp(added, mean, -mean);
+	range.overCells([&](int first, int last) {
+		for (int c = first; c < last; ++c) {
+			Weight&      cell   = weights_[c];
+			const double volume = cells.cellVolume(c), mean = cells.cellMean(c);
+			const bool   bears = mean < 0.0 && cell.along < 0.0;
+			cell.mass          = bears ? std::min(1.0, mean * volume / cell.along) * cell.mass / volume : 0.0;
+			cell.depth         = bears ? cell.depth / volume : 0.0;
+		}
+	});
 }
 
+/// The weight of a cell does not turn the sign of its mean: ground that nothing carries has none.
 template <int D>
 void BBar<D>::findAddedStress(
         const CellMeans<D>* cells, const MaterialPoints<D>& points, SolidMotion<D>& motion, const PoreWater<D>* water, int first, int last) const
 {
+	const Vec<D>                       g = motion.settings->gravity, share = motion.traceShare;
+	const std::array<const double*, D> x        = points.positions();
+	const auto                         stress   = motion.stress;
+	const double* const                pressure = water ? water->pressure : nullptr;
+	double* const                      added    = motion.addedStress;
 	for (int p = first; p < last; ++p) {
-		const double own      = averagedStress(motion, water, p);
-		const double mean     = cells ? cells->mean(p, own) : own;
-		motion.addedStress[p] = mean - motion.averagedStress(p);
-		if (cells) motion.addedStress[p] += stressOfWeight(*cells, points, motion.settings->gravity, p, mean);
+		double solid = 0.0;
+		for (int a = 0; a < D; ++a)
+			solid += share[a] * stress[a][p];
+		const double own = solid - (pressure ? pressure[p] : 0.0);
+		added[p]         = (cells ? cells->mean(p, own) : own) - solid;
+		if (!cells) continue;
+		const Weight& cell  = weights_[cells->cell(p)];
+		double        below = -cell.depth;
+		for (int a = 0; a < D; ++a)
+			below += g[a] * x[a][p];
+		const double most = std::max(0.0, -(added[p] + solid));
+		added[p] += std::clamp(-cell.mass * below, -most, most);
 	}
 }
 

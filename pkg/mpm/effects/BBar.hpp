@@ -24,10 +24,12 @@ public:
 		if (!weights_.empty()) rows.cells(weights_.data());
 	}
 
-	/// Adds the mean stress of points to their cells and, their weight; water and content may be null.
+	/// Adds the mean stress of points to their cells, and their weight; water and content may be null.
 	void addToCells(
 	        CellMeans<D>& cells, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water, const PoreContent<D>* content,
 	        int first, int last);
+	/// When the means of the cells are finished.
+	void finish(const ActiveRange& range, const CellMeans<D>& cells);
 	/// Leaves in motion.addedStress what the momentum balance adds to the normal stresses of points.
 	void findAddedStress(
 	        const CellMeans<D>* cells, const MaterialPoints<D>& points, SolidMotion<D>& motion, const PoreWater<D>* water, int first, int last) const;
@@ -38,17 +40,14 @@ public:
 	static void strain(const CellMeans<D>* cells, MaterialPoints<D>& points, SolidMotion<D>& motion, int first, int last);
 
 private:
-	/// Sums over the points of a cell: volume times place, mass, volume times stress along gravity.
+	/// Sums over the points of a cell: volume times gravity's part of the place, mass, volume times stress along gravity. Once finished, the mean of
+	/// the place, and the density that the mean stress bears.
 	struct Weight {
-		double place[D], mass, along;
+		double depth, mass, along;
 	};
-	void addWeights(
-	        const CellMeans<D>& cells, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water,
-	        const PoreContent<D>* content, int first, int last);
 	TALIK_PROCESSOR_VERSIONS static void replaceTraces(const CellMeans<D>& cells, SolidMotion<D>& motion, int first, int last);
 	/// V times det(1 + G), eq. (2.1).
 	TALIK_PROCESSOR_VERSIONS static void stretchVolumes(MaterialPoints<D>& points, const SolidMotion<D>& motion, int first, int last);
-	double stressOfWeight(const CellMeans<D>& cells, const MaterialPoints<D>& points, const Vec<D>& gravity, int p, double mean) const;
 
 	PagedArray<Weight> weights_; ///< by cell; empty without B-bar
 };

@@ -35,15 +35,6 @@ public:
 	/// of column increment, where records Solved have one.
 	void gather(const WeightBlock<D>& w, double dt, double* increment = nullptr);
 
-	/// What B-bar averages of the effective stress [Pa].
-	double averagedStress(int p) const
-	{
-		double sum = traceShare[0] * stress[0][p];
-		for (int a = 1; a < D; ++a)
-			sum += traceShare[a] * stress[a][p];
-		return sum;
-	}
-
 	const MotionSettings<D>* settings;
 	double                   kept = 1.0; ///< chi of this step, see keptFraction()
 

@@ -95,6 +95,8 @@ public:
 	}
 	/// The mean that holds for a point whose own value is given.
 	double mean(int place, double own) const { return averaged_[place] == noCell ? own : sum_[averaged_[place]]; }
+	/// The mean of a cell, when finished; 0 where all points keep their own values.
+	double cellMean(int cell) const { return sum_[cell]; }
 	/// Volume of the points in a cell [m^D].
 	double cellVolume(int cell) const { return volume_[cell]; }
 
