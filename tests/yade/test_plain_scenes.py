@@ -44,7 +44,7 @@ def levelGround(h, depth, height, surface, layer, recharge=True, **settings):
 	return run(mpm)
 
 
-def thawingLevelGround(h, pressure):
+def thawingLevelGround(h, pressure, **settings):
 	"""Two metres that thaw from the surface to the base within a year, and then rest."""
 	return levelGround(
 		h,
@@ -56,7 +56,25 @@ def thawingLevelGround(h, pressure):
 		skeleton=wrapper.MohrCoulombSkeleton(youngFrozen=2e7, cohesion=2e3),
 		heat=wrapper.HeatTransfer(thermalTimeScale=2e6),
 		freezing=wrapper.FreezingCurve(),
+		**settings,
 	)
+
+
+@pytest.mark.parametrize("pressure", ["implicit", "explicit"])
+def test_rows_that_have_settled_into_one_cell_bear_what_lies_on_them(pressure):
+	h = 0.125
+	mpm = thawingLevelGround(h, pressure, material=wrapper.GroundMaterial(thawStrain=0.08))
+	talik.runUntilDay(mpm, 330)
+	cells, settled = np.floor(rows(mpm, "position", 1) / h), -1e3 * rows(mpm, "displacement", 1)[0]
+	mass = rows(mpm, "mass") + rows(mpm, "waterMass")
+	weight = -9.81 * (np.cumsum(mass) - mass / 2) / h
+	effective = rows(mpm, "stress", 1)
+	off = np.abs(effective - rows(mpm, "pressure") - weight) * h / (9.81 * mass)
+	worst, shared = off[:-1].max(), len(cells) - len(set(cells))
+	print(f"{pressure}: settled by {settled:.0f} mm, {shared} rows share a cell with another; total stress of rows off the weight above by {worst:.2f} of that")
+	print(f"of a row (0, 0.25, as in validation), of the row on the base by {off[-1]:.2f};")
+	print(f"effective stress of the upper rows {np.round(effective[:6] / 1e3, 2)} kPa, due: more in each")
+	assert mpm.field("iceSaturation").max() == 0 and shared and worst < 0.25 and (np.diff(effective[:-1]) < 0).all() and effective.max() < 0
 
 
 @pytest.mark.parametrize("h", [0.25, 0.125])
