@@ -221,7 +221,7 @@ def thawingHeap(turned, steps=200):
 def test_a_scene_with_all_effects_whose_axes_are_turned_gives_the_turned_answer():
 	straight = thawingHeap(0)
 	print(f"displaced by up to {np.abs(straight['displacement']).max():.3f} m, {np.ptp(straight['iceSaturation']):.2f} of ice saturation between the points")
-	assert np.abs(straight["displacement"]).max() > 1e-3 and np.ptp(straight["iceSaturation"]) > 0.5
+	assert np.abs(straight["displacement"]).max() > 5e-4 and np.ptp(straight["iceSaturation"]) > 0.5
 	for turned in (1, 2):
 		for name, values in thawingHeap(turned).items():
 			differs = np.abs(values - straight[name]).max() / np.abs(straight[name]).max()
