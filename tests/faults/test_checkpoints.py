@@ -395,7 +395,7 @@ def test_a_run_killed_at_twenty_random_moments_ends_as_if_it_had_not_been(tmp_pa
 		os.read(reader, 1)
 		os.close(reader)
 		if len(stepsFound) < kills:
-			time.sleep(generator.uniform(0, 8 * perStep))
+			time.sleep(generator.uniform(0, 24 * perStep))
 			os.kill(child, signal.SIGKILL)
 		_, status = os.waitpid(child, 0)
 		if len(stepsFound) == kills:
