@@ -60,7 +60,7 @@ def thawingLevelGround(h, pressure, **settings):
 	)
 
 
-@pytest.mark.parametrize("pressure", ["implicit", "explicit"])
+@pytest.mark.parametrize("pressure", ["implicit", pytest.param("explicit", id="explicit_slow")])
 def test_rows_that_have_settled_into_one_cell_bear_what_lies_on_them(pressure):
 	h = 0.125
 	mpm = thawingLevelGround(h, pressure, material=wrapper.GroundMaterial(thawStrain=0.08))
@@ -77,8 +77,7 @@ def test_rows_that_have_settled_into_one_cell_bear_what_lies_on_them(pressure):
 	assert mpm.field("iceSaturation").max() == 0 and shared and worst < 0.25 and (np.diff(effective[:-1]) < 0).all() and effective.max() < 0
 
 
-@pytest.mark.parametrize("h", [0.25, 0.125])
-@pytest.mark.parametrize("pressure", ["implicit", "explicit"])
+@pytest.mark.parametrize("pressure, h", [("implicit", 0.25), ("implicit", 0.125), ("explicit", 0.25), pytest.param("explicit", 0.125, id="explicit_fine_slow")])
 def test_saturated_level_ground_that_has_thawed_rests_with_the_weight_on_each_row_and_draws_in_what_its_ice_leaves(pressure, h):
 	mpm = thawingLevelGround(h, pressure)
 	pores, water = (rows(mpm, "porosity") * rows(mpm, "volume")).sum(), rows(mpm, "waterMass").sum()
