@@ -137,7 +137,7 @@ def cases(kinds=("dry", "explicit", "implicit", "thaw"), everyDay=False):
 	if "thaw" in kinds:
 		# excess ice drains at once where R is 0; with R > 0 there is none, as in the theory
 		ices = ((0.1, 0.0), (0.2, 0.0)) if everyDay else ((0.0, 0.0), (0.0, 0.08), *((R, 0.0) for R in (0.05, 0.1, 0.2, 0.5, 1.0)))
-		of = (ices, ("explicit", "implicit"), (0.8, 1.25) if everyDay else (0.7, 0.9, 1.1, 1.6, 2.5))
+		of = (ices, ("implicit",) if everyDay else ("explicit", "implicit"), (0.8, 1.25) if everyDay else (0.7, 0.9, 1.1, 1.6, 2.5))
 		for (spacing, points), ((R, strain), water, factor) in itertools.product(((0.25, 1),) if everyDay else sizes, itertools.product(*of)):
 			if points == 1 or R == 0:
 				# where pore pressure bears more than a third of the weight, 15 degrees need tension
