@@ -3,7 +3,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from fixtures import calibrateCommand, emptyScene, sampleCache  # noqa: F401: pytest finds them here
+from fixtures import calibrateCommand, emptyScene, ofMay, sampleCache  # noqa: F401: pytest finds them here
 
 from talik import rve
 

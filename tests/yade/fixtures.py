@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from yade import O
 
+from talik import dates
 
 # Arguments of talik.rve.prepare for samples that several modules take, so that each is prepared once. Seeds are those whose first packing meets
 # porosity and fabric: a clone without a cache does not search for them.
@@ -32,6 +33,12 @@ def emptyScene():
 	O.engines = []
 	yield
 	O.reset()
+
+
+@pytest.fixture
+def ofMay(emptyScene):
+	"""A scene that starts on 15 May 2024."""
+	dates.start("2024-05-15")
 
 
 @pytest.fixture(scope="session")

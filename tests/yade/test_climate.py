@@ -4,17 +4,11 @@
 import numpy as np
 import pytest
 from scipy.io import netcdf_file
-from yade import O
 
 import talik
 
 
-@pytest.fixture(autouse=True)
-def ofMay():
-	O.reset()
-	talik.dates.start("2024-05-15")
-	yield
-	O.reset()
+pytestmark = pytest.mark.usefixtures("ofMay")
 
 
 def written(

@@ -11,12 +11,7 @@ from yade import O, wrapper
 import talik
 
 
-@pytest.fixture(autouse=True)
-def ofMay():
-	O.reset()
-	talik.dates.start("2024-05-15")
-	yield
-	O.reset()
+pytestmark = pytest.mark.usefixtures("ofMay")
 
 
 def column(strain=0.1, **more):
