@@ -63,8 +63,6 @@ namespace {
 	/// Unit tangent t = z x n of a contact.
 	Vector3r tangentOf(const Vector3r& n) { return { -n[1], n[0], 0 }; }
 
-	template <int Dim> using Cells = std::array<int, Dim>;
-
 	template <int Dim> Eigen::Matrix<double, Dim, 1> cellVector(const typename PackedTypes<Dim>::CellDist& cells)
 	{
 		Eigen::Matrix<double, Dim, 1> v;
@@ -105,33 +103,6 @@ namespace {
 	Quaternionr orientationOf(double angle) { return Quaternionr(std::cos(angle / 2), 0, 0, std::sin(angle / 2)); }
 
 	template <int Dim> void setPart(Matrix3r& target, const typename PackedTypes<Dim>::Matrix& m) { target.template topLeftCorner<Dim, Dim>() = m; }
-
-	/// Where the opened contacts of a former state are found again.
-	class FormerContacts {
-		const PackedState<2>*                     former;
-		std::map<std::array<int, 4>, std::size_t> place;
-
-	public:
-		FormerContacts(const PackedState<2>* state)
-		        : former(state)
-		{
-			if (!state) return;
-			const auto& k = state->contacts;
-			for (std::size_t c = 0; c < k.size(); ++c)
-				place[{ k.first[c], k.second[c], k.cellDist[c][0], k.cellDist[c][1] }] = c;
-		}
-		/// The scalar that opened into this very vector, or the vector's component along t.
-		double scalar(const std::array<int, 4>& key, const Vector3r& vector, const Vector3r& normal, bool ofIce) const
-		{
-			const auto found = place.find(key);
-			if (found != place.end()) {
-				const auto&  k = former->contacts;
-				const double s = ofIce ? (k.iceShear.empty() ? 0 : k.iceShear[found->second]) : k.shear[found->second];
-				if (vectorOf(s, normal) == vector) return s;
-			}
-			return vector.dot(tangentOf(normal));
-		}
-	};
 
 	void packTurning(const State& motion, const PackedState<2>* former, std::size_t index, PackedState<2>& state)
 	{
@@ -215,31 +186,40 @@ namespace {
 		std::uint64_t                       code;
 	};
 
-	/// Forces of the shear kind.
-	class PackedShears {
+	/// Forces of the shear kind. Of discs the component along t, or the scalar of a former state that opened into this very vector.
+	template <int Dim> class PackedShears {
 	public:
-		explicit PackedShears(const PackedState<2>* former)
-		        : known(former)
-		{}
-		double operator()(const PackedEntry<2>& e, const Vector3r& vector, const Vector3r& normal, bool ofIce) const
+		explicit PackedShears(const PackedState<Dim>* state)
+		        : former(state)
 		{
-			return known.scalar({ e.first, e.second, e.cells[0], e.cells[1] }, vector, normal, ofIce);
+			if (Dim == 3 || !state) return;
+			const auto& k = state->contacts;
+			for (std::size_t c = 0; c < k.size(); ++c)
+				place[PairKey<Dim> { k.first[c], k.second[c], k.cellDist[c] }.encode()] = c;
 		}
-		explicit PackedShears(const PackedState<3>*)
-		        : known(nullptr)
-		{}
-		Vector3r operator()(const PackedEntry<3>& e, const Vector3r& vector, const Vector3r&, bool) const { return e.sign * vector; }
+		typename PackedTypes<Dim>::Shear operator()(const PackedEntry<Dim>& e, const Vector3r& vector, const Vector3r& normal, bool ofIce) const
+		{
+			if constexpr (Dim == 3) return e.sign * vector;
+			else {
+				const auto found = place.find(e.code);
+				if (found == place.end()) return vector.dot(tangentOf(normal));
+				const auto&  k = former->contacts;
+				const double s = !ofIce ? k.shear[found->second] : k.iceShear.empty() ? 0 : k.iceShear[found->second];
+				return vectorOf(s, normal) == vector ? s : vector.dot(tangentOf(normal));
+			}
+		}
 
 	private:
-		FormerContacts known;
+		const PackedState<Dim>*              former;
+		std::map<std::uint64_t, std::size_t> place; ///< of each contact of the former state
 	};
 
 	template <int Dim> void packContacts(const Scene& scene, const PackedState<Dim>* former, const std::map<int, int>& indexOf, PackedState<Dim>& state)
 	{
-		const PackedShears shearOf(former);
-		const bool         ice    = isIceBondScene(scene);
-		bool               anyIce = false;
-		using Entry               = PackedEntry<Dim>;
+		const PackedShears<Dim> shearOf(former);
+		const bool              ice    = isIceBondScene(scene);
+		bool                    anyIce = false;
+		using Entry                    = PackedEntry<Dim>;
 		std::vector<Entry> entries;
 		for (const auto& interaction : *scene.interactions) {
 			if (!interaction->isReal()) continue;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <cmath>
 #include <cstring>
-#include <iterator>
 #include <pkg/icebond/BondTable.hpp>
 #include <pkg/rve/packed/PackedState.hpp>
 #include <stdexcept>
@@ -10,8 +9,7 @@ namespace talik {
 
 namespace {
 
-	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '3' }, rollingFormatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'R', '3' },
-	               momentFormatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'M', '3' };
+	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '4' };
 
 	class Writer {
 	public:
@@ -58,72 +56,22 @@ namespace {
 	};
 
 	/// One list of members for writing and reading, so that they cannot diverge.
-	template <class Stream, class Parameters> void streamParameters(Stream& stream, Parameters& p)
+	template <class Stream, class State, class Grains> void streamAll(Stream& stream, State& s, Grains& g)
 	{
-		for (auto* m : { &p.hSize, &p.prevHSize, &p.velGrad, &p.prevVelGrad, &p.nextVelGrad, &p.trsf, &p.stress })
+		for (auto* m : { &s.hSize, &s.prevHSize, &s.velGrad, &s.prevVelGrad, &s.nextVelGrad, &s.trsf, &s.stress })
 			stream.matrix(*m);
-		for (auto* v : { &p.dt, &p.damping, &p.thickness, &p.friction, &p.stiffnessRatio, &p.density, &p.iceSaturation, &p.radiusFactor,
-		                 &p.thawStrain.thawStrain, &p.thawStrain.frozenSaturation })
+		for (auto* v : { &s.dt, &s.damping, &s.thickness, &s.friction, &s.stiffnessRatio, &s.density, &s.iceSaturation, &s.radiusFactor,
+		                 &s.thawStrain.thawStrain, &s.thawStrain.frozenSaturation, &s.cellSlipStrain, &s.cellSlipStress, &s.ice.young,
+		                 &g.rolling.alphaKr, &g.rolling.etaRoll, &g.section.radiusFactor, &g.section.contribution })
 			stream.value(*v);
-		stream.value(p.ice.young);
 		for (const BondParameter& parameter : bondParameters)
-			stream.value(p.ice.*parameter.value);
-		const std::int32_t here  = std::int32_t(std::size(bondParameters)) - 11; // parameters beyond those of the first list
-		std::int32_t       added = here;
-		stream.value(added);
-		if (added != here) throw std::runtime_error("packed sample: saved with other parameters of ice bonds; prepare the sample again");
-		bool withoutFriction = false; // of intact bonds: an option of Talik 0.1
-		stream.value(withoutFriction);
-		if (withoutFriction)
-			throw std::runtime_error("packed sample: its intact bonds have no friction, which Talik no longer offers; prepare the sample again");
-		for (auto* v : { &p.step, &p.bondsFormed, &p.bondsBrokenInTension, &p.bondsBrokenInShear, &p.bondsMelted })
+			stream.value(s.ice.*parameter.value);
+		for (auto* v : { &s.step, &s.bondsFormed, &s.bondsBrokenInTension, &s.bondsBrokenInShear, &s.bondsMelted, &s.cellSlips })
 			stream.value(*v);
-	}
-
-	template <class Stream, class State, class Grains> void streamArrays(Stream& stream, State& s, Grains& g)
-	{
-		stream.array(g.radius);
-		stream.array(g.mass);
-		stream.array(g.inertia);
-		stream.array(g.id);
-		stream.array(s.position);
-		stream.array(s.velocity);
-		stream.array(s.angularVelocity);
-		stream.array(s.orientation);
-		auto& c = s.contacts;
-		stream.array(c.first);
-		stream.array(c.second);
-		stream.array(c.cellDist);
-		stream.array(c.shear);
-		stream.array(c.iceShear);
-		stream.array(c.iceReference);
-		stream.array(c.grainReference);
-		stream.array(c.bond);
-	}
-
-	/// What only samples with resistance to rolling have.
-	template <class Stream, class State, class Grains> void streamRolling(Stream& stream, State& s, Grains& g)
-	{
-		stream.value(g.rolling.alphaKr);
-		stream.value(g.rolling.etaRoll);
-		stream.array(s.contacts.moment);
-	}
-
-	/// What only samples whose bonds carry moments have; their grains may resist rolling.
-	template <class Stream, class State, class Grains> void streamMoments(Stream& stream, State& s, Grains& g)
-	{
-		streamRolling(stream, s, g);
-		stream.value(g.section.radiusFactor);
-		stream.value(g.section.contribution);
-		stream.array(s.contacts.bondMoment);
-	}
-
-	/// What only samples have whose cell has slipped; it comes last.
-	template <class Stream, class Parameters> void streamCellSlips(Stream& stream, Parameters& p)
-	{
-		stream.value(p.cellSlips);
-		stream.value(p.cellSlipStrain);
-		stream.value(p.cellSlipStress);
+		auto&      c      = s.contacts;
+		const auto arrays = [&](auto&... all) { (stream.array(all), ...); };
+		arrays(g.radius, g.mass, g.inertia, g.id, s.position, s.velocity, s.angularVelocity, s.orientation);
+		arrays(c.first, c.second, c.cellDist, c.shear, c.moment, c.iceShear, c.iceReference, c.grainReference, c.bondMoment, c.bond);
 	}
 
 	[[noreturn]] void refuse(const char* attribute, double value, const char* remedy)
@@ -222,56 +170,36 @@ template <int Dim> std::string PackedState<Dim>::toBytes() const
 {
 	check();
 	Writer writer;
-	writer.bytes.append(bondsCarryMoments() ? momentFormatName : resistsRolling() ? rollingFormatName : formatName, sizeof(formatName));
+	writer.bytes.append(formatName, sizeof(formatName));
 	writer.value(std::int32_t(Dim));
-	streamParameters(writer, static_cast<const PackedParameters<Dim>&>(*this));
-	streamArrays(writer, *this, *grains);
-	if (bondsCarryMoments()) streamMoments(writer, *this, *grains);
-	else if (resistsRolling()) streamRolling(writer, *this, *grains);
-	if (this->cellSlips > 0) streamCellSlips(writer, static_cast<const PackedParameters<Dim>&>(*this));
+	streamAll(writer, *this, *grains);
 	return std::move(writer.bytes);
 }
 
-namespace {
-
-	struct Head {
-		int  dimension;
-		bool resistsRolling, bondsCarryMoments;
-	};
-
-	Head takeHead(Reader& reader)
-	{
-		char         name[sizeof(formatName)];
-		std::int32_t dim = 0;
-		reader.take(name, sizeof(name));
-		const auto is      = [&](const char(&known)[sizeof(formatName)]) { return std::memcmp(name, known, sizeof(name)) == 0; };
-		const bool rolling = is(rollingFormatName), moments = is(momentFormatName);
-		if (!rolling && !moments && !is(formatName)) throw std::runtime_error("packed sample: these bytes are not a packed sample of this version");
-		reader.value(dim);
-		return { dim, rolling, moments };
-	}
-
-} // namespace
+static std::int32_t takeDimension(Reader& reader)
+{
+	char         name[sizeof(formatName)];
+	std::int32_t dimension = 0;
+	reader.take(name, sizeof(name));
+	if (std::memcmp(name, formatName, sizeof(name)) != 0) throw std::runtime_error("packed sample: these bytes are not a packed sample of this version");
+	reader.value(dimension);
+	return dimension;
+}
 
 int packedDimension(const std::string& bytes)
 {
 	Reader reader(bytes);
-	return takeHead(reader).dimension;
+	return takeDimension(reader);
 }
 
 template <int Dim> PackedState<Dim> PackedState<Dim>::fromBytes(const std::string& bytes)
 {
 	Reader     reader(bytes);
-	const Head head = takeHead(reader);
-	if (head.dimension != Dim)
-		throw std::runtime_error("packed sample: saved with dimension " + std::to_string(head.dimension) + ", wanted " + std::to_string(Dim));
+	const auto dimension = takeDimension(reader);
+	if (dimension != Dim) throw std::runtime_error("packed sample: saved with dimension " + std::to_string(dimension) + ", wanted " + std::to_string(Dim));
 	PackedState state;
 	auto        grains = std::make_shared<PackedGrains>();
-	streamParameters(reader, static_cast<PackedParameters<Dim>&>(state));
-	streamArrays(reader, state, *grains);
-	if (head.bondsCarryMoments) streamMoments(reader, state, *grains);
-	else if (head.resistsRolling) streamRolling(reader, state, *grains);
-	if (!reader.finished()) streamCellSlips(reader, static_cast<PackedParameters<Dim>&>(state));
+	streamAll(reader, state, *grains);
 	if (!reader.finished()) throw std::runtime_error("packed sample: the saved bytes are longer than a sample; save again");
 	state.grains = std::move(grains);
 	state.check();
