@@ -7,19 +7,16 @@
 namespace yade {
 YADE_PLUGIN((Gl1_IceBondPhys));
 
-Real     Gl1_IceBondPhys::maxForce;
-Real     Gl1_IceBondPhys::maxRadius;
-Real     Gl1_IceBondPhys::minFraction;
-int      Gl1_IceBondPhys::slices;
-bool     Gl1_IceBondPhys::onTop;
-Vector3r Gl1_IceBondPhys::intactColor;
-Vector3r Gl1_IceBondPhys::frictionalColor;
+Real Gl1_IceBondPhys::maxForce;
+Real Gl1_IceBondPhys::maxRadius;
 
 namespace {
+	constexpr Real thinnest = 0.1; // rod over the thickest: unloaded bonds remain visible
 
-	void drawRod(const Vector3r& start, const Vector3r& end, Real radius, int sides)
+	void drawRod(const Vector3r& start, const Vector3r& end, Real radius)
 	{
-		const Vector3r axis = (end - start).normalized();
+		constexpr int  sides = 8;
+		const Vector3r axis  = (end - start).normalized();
 		const Vector3r u = axis.unitOrthogonal(), v = axis.cross(u);
 		glBegin(GL_QUAD_STRIP);
 		for (int side = 0; side <= sides; ++side) {
@@ -46,7 +43,7 @@ Real Gl1_IceBondPhys::radiusFor(const IceBondPhys& phys) const
 	const Real force = (phys.normalForce + phys.shearForce).norm();
 	maxForce         = std::max(maxForce, force);
 	const Real part  = maxForce > 0 ? force / maxForce : 0;
-	return maxRadius * std::max(part, minFraction);
+	return maxRadius * std::max(part, thinnest);
 }
 
 /// In a periodic scene the image of a point inside the cell.
@@ -71,11 +68,10 @@ void Gl1_IceBondPhys::go(
 	if (!(maxRadius > 0)) maxRadius = 0.25 * std::min(geom->refR1, geom->refR2);
 
 	const Vector3r     start = wrapped(first->state->se3.position);
-	const Vector3r&    color = phys.bondState == int(talik::BondState::BONDED) ? intactColor : frictionalColor;
-	const talik::Unlit unlit(onTop);
-	glColor3d(color[0], color[1], color[2]);
+	const talik::Unlit unlit(true);
+	glColor3d(phys.bondState == int(talik::BondState::BONDED) ? 0.9 : 0., 0., 0.);
 	if (wire) drawLine(start, start + branch);
-	else drawRod(start, start + branch, radiusFor(phys), std::max(slices, 3));
+	else drawRod(start, start + branch, radiusFor(phys));
 }
 
 } // namespace yade

@@ -37,14 +37,9 @@ private:
 public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_STATICATTRS(Gl1_IceBondPhys,GlIPhysFunctor,"Draws ice bonds in the 3-D view: intact bonds red, broken and frictional contacts black, "
-			"rods as thick as the contact force. Switch on by yade.qt.Renderer().intrPhys=True. Example: Gl1_IceBondPhys.maxRadius=1e-3.",
+			"rods as thick as the contact force, over the grains. Switch on by yade.qt.Renderer().intrPhys=True. Example: Gl1_IceBondPhys.maxRadius=1e-3.",
 		((Real,maxForce,0,,"Force that is drawn with maxRadius [N]; it grows to the largest force seen. Set to 0 to begin anew."))
 		((Real,maxRadius,0,,"Radius of the thickest rod [m]; 0: a quarter of the radius of the smaller grain of the contact drawn first."))
-		((Real,minFraction,0.1,,"Thinnest rod over the thickest [-], 0 to 1: unloaded bonds remain visible."))
-		((int,slices,8,,"Sides of a rod, >= 3."))
-		((bool,onTop,true,,"Draw over the grains, which hide the rods otherwise."))
-		((Vector3r,intactColor,Vector3r(0.9,0,0),,"Colour of intact bonds (red, green, blue from 0 to 1)."))
-		((Vector3r,frictionalColor,Vector3r(0,0,0),,"Colour of broken bonds and frictional contacts."))
 	);
 	// clang-format on
 	RENDERS(IceBondPhys);

@@ -14,9 +14,7 @@ namespace {
 
 void IceStrength::postLoad(IceStrength&)
 {
-	requireOfStrength(referenceTemperature <= 0, "referenceTemperature", referenceTemperature, "give a temperature in degC, 0 or less.");
 	requireOfStrength(referenceRate > 0, "referenceRate", referenceRate, "give a positive rate in 1/s.");
-	requireOfStrength(leastRate > 0, "leastRate", leastRate, "give a positive rate in 1/s.");
 	requireOfStrength(tensileCold >= 0, "tensileCold", tensileCold, "give a number in 1/K, 0 or more.");
 	requireOfStrength(shearCold >= 0, "shearCold", shearCold, "give a number in 1/K, 0 or more.");
 	requireOfStrength(
@@ -36,7 +34,7 @@ talik::IceStrengthLaw IceStrength::law() const
 	talik::IceStrengthLaw l;
 	l.tensile = { tensileCold, tensileRateExponent };
 	l.shear   = { shearCold, shearRateExponent };
-	TALIK_TAKE_ATTRIBUTES(l, *this, (referenceTemperature)(referenceRate)(leastRate)(stiffnessCold))
+	TALIK_TAKE_ATTRIBUTES(l, *this, (referenceRate)(stiffnessCold))
 	return l;
 }
 
@@ -52,17 +50,12 @@ void IceCreep::postLoad(IceCreep&)
 {
 	requireOfCreep(rateFactor >= 0, "rateFactor", rateFactor, "give a rate factor in Pa^-n/s, 0 or more.");
 	requireOfCreep(exponent >= 1 && exponent <= 10, "exponent", exponent, "give an exponent from 1 to 10; Glen's is 3.");
-	requireOfCreep(
-	        referenceTemperature <= 0 && referenceTemperature > -talik::IceCreepLaw::celsius, "referenceTemperature", referenceTemperature,
-	        "give a temperature in degC, 0 or less.");
-	requireOfCreep(coldActivationEnergy >= 0, "coldActivationEnergy", coldActivationEnergy, "give an energy in J/mol, 0 or more.");
-	requireOfCreep(warmActivationEnergy >= 0, "warmActivationEnergy", warmActivationEnergy, "give an energy in J/mol, 0 or more.");
 }
 
 talik::IceCreepLaw IceCreep::law() const
 {
 	talik::IceCreepLaw l;
-	TALIK_TAKE_ATTRIBUTES(l, *this, (rateFactor)(exponent)(referenceTemperature)(coldActivationEnergy)(warmActivationEnergy))
+	TALIK_TAKE_ATTRIBUTES(l, *this, (rateFactor)(exponent))
 	return l;
 }
 

@@ -16,13 +16,12 @@ public:
 	Real                   stiffnessFactor(Real temperature) const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(IceStrength,Serializable,"Strength and stiffness of ice bonds over temperature and strain rate: factors "
-			"exp(b (T_0-T)) (rate/rate_0)^n on the tensile and the shear strength that IceBondMat gives at T_0 and rate_0. Defaults are those of frozen "
-			"Fairbanks silt: temperature by Haynes & Karalius 1977 (0 to -57 degC: compression tenfold, tension by root ten), rate by Haynes, Karalius & "
+			"exp(b (T_0-T)) (rate/rate_0)^n on the tensile and the shear strength that IceBondMat gives at T_0 = -10 degC and rate_0. Ground above 0 degC "
+			"counts as 0, strain slower than 1e-7/s as that: the slowest tests that are known (Parameswaran 1980). Defaults are those of "
+			"frozen Fairbanks silt: temperature by Haynes & Karalius 1977 (0 to -57 degC: compression tenfold, tension by root ten), rate by Haynes, Karalius & "
 			"Kalafut 1975 (1.2e-4 to 2.9/s at -10 degC: compression tenfold, tension hardly). Example: "
 			"IceStrength(shearRateExponent=0.1).factors(-5,1e-3).",
-		((Real,referenceTemperature,-10,Attr::triggerPostLoad,"T_0 [degC], <= 0; ground above 0 counts as 0."))
 		((Real,referenceRate,1e-4,Attr::triggerPostLoad,"rate_0 [1/s in physical time], > 0."))
-		((Real,leastRate,1e-7,Attr::triggerPostLoad,"Slower strain counts as this [1/s], > 0: the slowest tests that are known (Parameswaran 1980)."))
 		((Real,tensileCold,0.0203,Attr::triggerPostLoad,"b of the tensile strength [1/K], >= 0: ln(root 10)/56.7."))
 		((Real,shearCold,0.0406,Attr::triggerPostLoad,"b of the shear strength [1/K], >= 0: ln(10)/56.7."))
 		((Real,tensileRateExponent,0,Attr::triggerPostLoad,"n of the tensile strength [-], 0 to below 1."))
@@ -51,15 +50,13 @@ public:
 	::boost::python::tuple over(Real temperature, Real time) const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(IceCreep,Serializable,"Creep of ice bonds by Glen's law: the strain rate of a bond under the stress s, its force over its "
-			"area, is A s^n, with A = rateFactor exp(Q/R (1/T_0-1/T)), T in K. Defaults are those that Cuffey & Paterson 2010 (The Physics of Glaciers, section "
-			"3.4.6) recommend for glacier ice. Time is that of nature, in samples behind points that of the calendar. Example: "
+			"area, is A s^n, with A = rateFactor exp(Q/R (1/T_0-1/T)), T in K, T_0 = -10 degC, Q = 60 kJ/mol below and 115 kJ/mol above T_0; ground above "
+			"0 degC counts as 0. Numbers are those that Cuffey & Paterson 2010 (The Physics of Glaciers, section 3.4.6) recommend for glacier ice. Time "
+			"is that of nature, in samples behind points that of the calendar. Example: "
 			"IceCreep(exponent=3).rateFactorAt(-5).",
 		((Real,rateFactor,3.5e-25,Attr::triggerPostLoad,"A at T_0 [Pa^-n/s of calendar time], >= 0. Stress in a bond is that of a sample times some 40 t/(0.1 m), t "
 				"its thickness."))
 		((Real,exponent,3,Attr::triggerPostLoad,"n [-], 1 to 10; 3 by Glen 1955."))
-		((Real,referenceTemperature,-10,Attr::triggerPostLoad,"T_0 [degC], > -273.15 and <= 0; Q changes there. Ground above 0 counts as 0."))
-		((Real,coldActivationEnergy,60e3,Attr::triggerPostLoad,"Q below T_0 [J/mol], >= 0 (Cuffey & Paterson 2010)."))
-		((Real,warmActivationEnergy,115e3,Attr::triggerPostLoad,"Q above T_0 [J/mol], >= 0 (Cuffey & Paterson 2010)."))
 		,/*ctor*/ ,
 		/*py*/
 		.def("rateFactorAt",&IceCreep::rateFactorAt,(::boost::python::arg("temperature")),"A [Pa^-n/s] at a temperature [degC].")

@@ -69,7 +69,7 @@ def neumann(conductivity, latent, capacity):
 def speedOfThaw():
 	soil = GroundMaterial()
 	conductivity = (1 - porosity) * soil.solidConductivity + porosity * soil.liquidConductivity
-	capacity = (1 - porosity) * soil.solidDensity * soil.solidSpecificHeat + porosity * soil.liquidDensity * soil.liquidSpecificHeat
+	capacity = (1 - porosity) * soil.solidDensity * soil.solidSpecificHeat + porosity * soil.liquidDensity * 4200
 	return neumann(conductivity, porosity * soil.iceDensity * soil.latentHeat, capacity)
 
 

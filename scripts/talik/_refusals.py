@@ -93,7 +93,6 @@ numbers = (
 	("stressTolerance", lambda x: x < 0, "give a finite relative error, 0 or more"),
 	("maxInertialNumber", lambda x: x <= 0, "give a positive number, e.g. 5e-3"),
 	("maxStrainPerStep", lambda x: x <= 0, "give a positive number, e.g. 1e-5"),
-	("creepInterval", lambda x: x < 0, "give a calendar time in s, 0 or more"),
 	("slipFriction", lambda x: x < 0, "give 0 or more, or nan: it is measured on the samples"),
 	("slipCohesion", lambda x: x < 0, "give a stress in Pa, 0 or more"),
 	("minSteps", lambda n: n < 1, "give 1 or more"),

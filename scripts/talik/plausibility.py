@@ -49,8 +49,6 @@ ranges = {
 }
 rangesOfHeat = {
 	("GroundMaterial", "solidSpecificHeat"): (50, 2e4, "J/(kg K)", True),
-	("GroundMaterial", "iceSpecificHeat"): (50, 2e4, "J/(kg K)", True),
-	("GroundMaterial", "liquidSpecificHeat"): (50, 2e4, "J/(kg K)", True),
 	("GroundMaterial", "latentHeat"): (1e4, 1e7, "J/kg", True),
 	("GroundMaterial", "solidConductivity"): (0.01, 500, "W/(m K)", True),
 	("GroundMaterial", "iceConductivity"): (0.01, 500, "W/(m K)", True),

@@ -156,7 +156,7 @@ def test_no_setting_of_a_running_ground_is_changed_in_vain():
 	mpm.tolerance = 0  # the next step would refuse another
 	run(3)
 	print(f"{len(refused)} numbers refused and kept; followed: {', '.join(followed)}")
-	ofEngine = {f"MpmEngine.{name}" for name in ("damping", "courantNumber", "heatFraction", "motionFraction", "tolerance")}
+	ofEngine = {f"MpmEngine.{name}" for name in ("damping", "courantNumber", "heatFraction", "tolerance")}
 	# the scales of the calendar may change; eventDisplacement is set to what it was
 	ofCalendar = {f"HeatTransfer.{name}" for name in ("thermalTimeScale", "movingTimeScale", "motionTolerance", "eventDisplacement")}
 	assert set(followed) == ofEngine | ofCalendar | {"BodyContact.thickness"}

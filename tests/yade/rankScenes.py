@@ -46,8 +46,8 @@ def packed(steps=60):
 
 
 def creeping():
-	"""Ice that is stronger the faster and the colder it is, and creeps; asked at the latest after an interval of the calendar."""
-	mpm = sampledBands(iceStrength=wrapper.IceStrength(), iceCreep=wrapper.IceCreep(rateFactor=1e-21), creepInterval=300, strainTolerance=1e-4)
+	"""Ice that is stronger the faster and the colder it is, and creeps."""
+	mpm = sampledBands(iceStrength=wrapper.IceStrength(), iceCreep=wrapper.IceCreep(rateFactor=1e-21), strainTolerance=1e-4)
 	run(40)
 	return mpm
 

@@ -13,6 +13,7 @@ YADE_PLUGIN((BodyContact));
 namespace {
 	constexpr int  numbersPerImpulse = 7;
 	constexpr Real courantNumber     = 0.3; // of the time that a wave needs through the smallest sphere
+	constexpr Real mostBodySteps     = 100; // that one step of the ground covers
 
 	bool isClump(const Body& body) { return body.clumpId == body.id; }
 
@@ -41,8 +42,9 @@ talik::RigidContactSettings BodyContact::build(int dimension) const
 	        !(frictionAngle > 0 && frictionAngle < 1.58), "BodyContact.frictionAngle", frictionAngle,
 	        "is in degrees, as in MohrCoulombSkeleton (FrictMat has radians); give " + std::to_string(int(std::lround(frictionAngle * 180 / M_PI)))
 	                + " if radians were meant");
-	talik::requireSetting(bodySteps >= 1, "BodyContact.bodySteps", bodySteps, "must be 1 or more");
-	const talik::RigidContactSettings settings { stiffness, shearRatio, damping };
+	talik::RigidContactSettings settings;
+	settings.stiffness = stiffness;
+	settings.damping   = damping;
 	settings.validate();
 	return settings;
 }
@@ -194,7 +196,7 @@ Real BodyContact::groundStep(const Scene& scene, Real stableStep) const
 		        "MpmEngine: O.dt = " + talik::asText(scene.dt) + " s is too long for the contact of ground and bodies: set it to at most "
 		        + talik::asText(contactLimit) + " s, or lower BodyContact.stiffness.");
 	const Real more = std::floor((longest - due(scene)) / scene.dt * (1 + 1e-12));
-	return due(scene) + scene.dt * std::max(Real(0), std::min(more, Real(bodySteps - 1)));
+	return due(scene) + scene.dt * std::max(Real(0), std::min(more, mostBodySteps - 1));
 }
 
 } // namespace yade

@@ -95,20 +95,18 @@ public:
 			"O.forces.f(id). Sum of momentum over ground (in the plane per metre, times thickness) and bodies is conserved to round-off. Water does not "
 			"cross into bodies, nor heat unless a BodyTemperature says so, and a body shades what it touches from air, rain and load on the free surface. "
 			"What touches a body in the first step "
-			"bears the stress that the ground was given, later contacts begin without force. Example: mpm.bodies=BodyContact(); "
+			"bears the stress that the ground was given, later contacts begin without force. Where O.dt is shorter than the ground's stable step, one step of "
+			"the ground covers up to 100 of the bodies, its force spread evenly over them. Example: mpm.bodies=BodyContact(); "
 			"O.bodies.append(utils.box((2,3,0),(1,0.5,0.5))); O.engines=[ForceResetter(),mpm,NewtonIntegrator(gravity=(0,-9.81,0))].",
 		((Real,thickness,1,,"In plane strain: thickness of the slice of ground that the bodies meet [m], > 0 (in space 1): forces on them are those per metre "
 				"times it. A body keeps its mass: a "
 				"sphere of radius R weighs as much as its disc if this is 4R/3, a box if it is the box's edge along z. May be changed while running."))
 		((Real,frictionAngle,NaN,,"Angle of friction between ground and bodies [deg], 0 or from 1.58 to below 90 (as in MohrCoulombSkeleton, while FrictMat of YADE "
 				"has radians); NaN: that of each body's material. May be changed while running."))
-		((Real,stiffness,NaN,,"Pressure over penetration of a contact [Pa/m], > 0; NaN: oedometer modulus of the stiffest point at the start over the grid spacing, "
-				"so that a body sinks in as far as one cell of that ground gives way. Stiffer contacts shorten the time step."))
-		((Real,shearRatio,0.5,,"Tangential over normal stiffness of a contact [-], in (0,1]."))
+		((Real,stiffness,NaN,,"Pressure over penetration of a contact [Pa/m], > 0, half of it along the surface; NaN: oedometer modulus of the stiffest point "
+				"at the start over the grid spacing, so that a body sinks in as far as one cell of that ground gives way. Stiffer contacts shorten the time step."))
 		((Real,damping,0.1,,"Viscous part of a contact over the critical one [-], in [0,1)."))
 		((int,mask,0,,"Bodies with (body.mask & mask) != 0 are met; 0: all. May be changed while running."))
-		((int,bodySteps,100,,"Where O.dt is shorter than the ground's stable step, one step of the ground covers up to so many steps of the bodies, its force "
-				"spread evenly over them; 1: the ground follows every step. May be changed while running."))
 		((Real,ahead,0,Attr::hidden,"Time by which the ground is ahead of the scene [s]."))
 		((vector<Real>,pending,,Attr::hidden,"Impulses not yet delivered: id, x, y, z [N s] and about x, y, z [N m s], seven numbers per body."))
 	);

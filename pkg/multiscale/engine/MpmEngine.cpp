@@ -163,8 +163,6 @@ void MpmEngine::checkChangeable() const
 	require(courantNumber > 0 && courantNumber <= 1, "courantNumber", courantNumber, "a number above 0 and up to 1");
 	require(heatFraction > 0 && heatFraction <= 1, "heatFraction", heatFraction, "a number above 0 and up to 1");
 	require(tolerance == 0 || (tolerance >= 1e-4 && tolerance <= 0.5), "tolerance", tolerance, "0, or a relative error from 1e-4 to 0.5, e.g. 0.03");
-	require(motionFraction > 0 && motionFraction <= 0.5, "motionFraction", motionFraction, "a number above 0 and up to 0.5");
-	require(limitInterval >= 1, "limitInterval", limitInterval, "1 or more steps");
 	require(!std::isnan(stopAtDay), "stopAtDay", stopAtDay, "a day of the calendar, or infinity");
 	if (bodies) bodies->build(usedDimension());
 }
@@ -349,7 +347,7 @@ void MpmEngine::followAttributes()
 		moving->picTime      = picTime;
 	}
 	groundOfScene->followGravity(*this);
-	TALIK_TAKE_ATTRIBUTES(s, *this, (courantNumber)(heatFraction)(motionFraction))
+	TALIK_TAKE_ATTRIBUTES(s, *this, (courantNumber)(heatFraction))
 	if (tolerance != toleranceInForce) followTolerance();
 	if (heat) followHeat();
 	if (motion)
@@ -393,9 +391,10 @@ bool MpmEngine::watchStableStep()
 /// again before heat has crossed half a cell.
 int MpmEngine::findStableStep()
 {
-	const auto stable = ground->stableTimeStep();
-	stableStep        = stable.step;
-	Real steps        = limitInterval;
+	constexpr int limitInterval = 10;
+	const auto    stable        = ground->stableTimeStep();
+	stableStep                  = stable.step;
+	Real steps                  = limitInterval;
 	if (freezing)
 		for (const auto& limit : stable.limits)
 			if (limit.name == "heat")

@@ -198,7 +198,6 @@ public:
 		((Real,courantNumber,0.4,,"Courant number: time step over h/(c+|v|) [-], in (0,1]; lowered to what is stable wherever the points lie: 0.408 with "
 				"quadraticBSpline, 0.327 with gimp. May be changed while running."))
 		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]. May be changed while running."))
-		((Real,motionFraction,0.2,,"Largest path of a point per step over h [-], in (0,0.5]. May be changed while running."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every "
 				"point follow the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see "
@@ -211,7 +210,6 @@ public:
 				"on all ranks. none: every rank computes everything. automatic: ground if there are packed samples or 100 000 points, no law in Python, no "
 				"PeriodicBoundary and strips enough; else none, with a message. Without mpirun it affects only laws in Python."))
 		((bool,energyLedger,false,,"Compute the balance of mechanical work and dissipation, see balance()."))
-		((int,limitInterval,10,,"Steps between two determinations of the stable time step, >= 1. May be changed while running."))
 		((shared_ptr<PointWatch>,watched,,Attr::readonly,"Histories of watched points; None while none is. See watch()."))
 		((talik::PointTable,points,,Attr::hidden,"Points as they were added."))
 		((string,saved,"",Attr::hidden,"State of a running ground in an archive."))
@@ -284,7 +282,6 @@ public:
 				"next asked. Done by every change of an attribute.").staticmethod("settingChanged")
 	);
 	// clang-format on
-	/// Throws AttributeError with the attribute that has taken the place of this one.
 	static ::boost::python::object pyAddPoints(::boost::python::tuple args, ::boost::python::dict keywords);
 };
 REGISTER_SERIALIZABLE(MpmEngine);

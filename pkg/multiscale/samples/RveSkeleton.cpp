@@ -29,7 +29,6 @@ talik::SampleScheduling RveSkeleton::scheduling() const
 	s.stopOnBlowUp = onBlowUp == "stop";
 	if (iceStrength) s.iceStrength = iceStrength->law();
 	if (iceCreep) s.iceCreep = iceCreep->law();
-	s.creepInterval = creepInterval;
 	if (!std::isnan(slipFriction)) s.slipStrength = talik::ShearStrength { slipFriction, slipCohesion };
 	return s;
 }

@@ -50,8 +50,7 @@ public:
 	vector<string>          measures() const override;
 	::boost::python::list   pyMeasures() const;
 	::boost::python::dict   cost() const;
-	/// Throws AttributeError: the former name of cost().
-	::boost::python::dict blownUp() const;
+	::boost::python::dict   blownUp() const;
 
 private:
 	/// The samples of a run.
@@ -113,10 +112,8 @@ public:
 		TALIK_ATTRIBUTES_OF_DEM_STEPS
 		((shared_ptr<IceStrength>,iceStrength,,,"How strength and stiffness of the ice bonds follow the temperature of the point, and strength its strain rate in "
 				"physical (calendar) time: strain since the last update of the sample over the calendar time since then. None: they are those of the samples."))
-		((shared_ptr<IceCreep>,iceCreep,,,"How the ice bonds creep at the temperature of the point, over the calendar time since the sample was last updated. "
-				"None: they do not."))
-		((Real,creepInterval,0,,"Calendar time after which a sample whose bonds creep is updated at the latest [s], >= 0; 0: in every step. In between its stress "
-				"does not relax."))
+		((shared_ptr<IceCreep>,iceCreep,,,"How the ice bonds creep at the temperature of the point, over the calendar time since the sample was last updated; one "
+				"that holds ice is updated in every step. None: they do not."))
 		((Real,slipFriction,std::numeric_limits<double>::quiet_NaN(),,"Coulomb friction at the thaw front, shear over normal stress, eq. (20.2) [-], >= 0. "
 				"nan (default): it is measured when the first of them thaws there, see measuredFriction. talik.studies.calibrate.thawedFriction measures it, too, over "
 				"pressures and realisations."))

@@ -31,8 +31,7 @@ template <int Dim> void SampleScheduler<Dim>::passTime(const SampleRecord<Dim>& 
 
 template <int Dim> bool SampleScheduler<Dim>::hasCrept(const SampleRecord<Dim>& r, const SkeletonBatch<Dim>& batch, int place) const
 {
-	const double time = r.time[place];
-	return time > 0 && time >= schedule.creepInterval && !(batch.iceSaturation && batch.iceSaturation[place] == 0);
+	return r.time[place] > 0 && !(batch.iceSaturation && batch.iceSaturation[place] == 0);
 }
 
 /// At the temperature of a point and the largest principal strain rate since its sample was last updated, eq. (15.7).

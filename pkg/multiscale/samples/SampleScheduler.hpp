@@ -19,9 +19,8 @@ struct SampleScheduling {
 	PackedUpdateOptions update;
 	/// How the strength of ice bonds follows temperature and strain rate; absent: it is that of the samples.
 	std::optional<IceStrengthLaw> iceStrength;
-	/// How ice bonds creep in calendar time, and after how much of it a sample is asked at the latest [s]; absent: they do not.
+	/// How ice bonds creep in calendar time; absent: they do not.
 	std::optional<IceCreepLaw> iceCreep;
-	double                     creepInterval = 0;
 	bool                       followsTime() const { return iceStrength || iceCreep; }
 	/// Strength with which points slip at the thaw front; absent: it is measured, see PointSamples::measureSlip.
 	std::optional<ShearStrength> slipStrength;

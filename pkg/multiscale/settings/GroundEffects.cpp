@@ -14,8 +14,8 @@ talik::MixtureProperties GroundMaterial::build() const
 {
 	talik::MixtureProperties m;
 	m.solid            = { solidDensity, solidSpecificHeat, solidConductivity, solidExpansivity };
-	m.ice              = { iceDensity, iceSpecificHeat, iceConductivity, iceExpansivity };
-	m.liquid           = { liquidDensity, liquidSpecificHeat, liquidConductivity, liquidExpansivity };
+	m.ice              = { iceDensity, m.ice.specificHeat, iceConductivity, iceExpansivity };
+	m.liquid           = { liquidDensity, m.liquid.specificHeat, liquidConductivity, liquidExpansivity };
 	m.latentHeat       = latentHeat;
 	m.conductivityMean = talik::conductivityMeanFromName(conductivityMean);
 	m.validate();

@@ -130,14 +130,13 @@ public:
 	bool isOwnSoil() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(GroundMaterial,Serializable,"Soil grains, ice and liquid water of saturated ground; defaults are those of Yu & Zhao, section 3. "
+			"Ice has a specific heat of 2060, water of 4200 J/(kg K). "
 			"MpmEngine.materials lists several, with the same densities, specific heats, expansivities and latent heat of ice and liquid. "
 			"Example: GroundMaterial(conductivityMean='geometric').",
 		((Real,solidDensity,2650,,"Intrinsic density of the soil grains [kg/m^3], > 0."))
 		((Real,iceDensity,910,,"Intrinsic density of ice [kg/m^3], > 0."))
 		((Real,liquidDensity,1000,,"Intrinsic density of liquid water [kg/m^3], > 0."))
 		((Real,solidSpecificHeat,800,,"[J/(kg K)], > 0."))
-		((Real,iceSpecificHeat,2060,,"[J/(kg K)], > 0."))
-		((Real,liquidSpecificHeat,4200,,"[J/(kg K)], > 0."))
 		((Real,solidConductivity,1.0,,"Thermal conductivity [W/(m K)], > 0."))
 		((Real,iceConductivity,2.2,,"Thermal conductivity [W/(m K)], > 0."))
 		((Real,liquidConductivity,0.6,,"Thermal conductivity [W/(m K)], > 0."))

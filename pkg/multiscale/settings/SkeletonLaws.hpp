@@ -106,8 +106,8 @@ public:
 			"of glacier ice. Volume does not creep, ground without ice is elastic, there is no strength. Field creepStrain [-]: A tau^n over the time. Example: "
 			"CreepingSkeleton(young=500e6,iceCreep=IceCreep(rateFactor=7e-25)).",
 		TALIK_CREEPING_SKELETON
-		((shared_ptr<IceCreep>,iceCreep,shared_ptr<IceCreep>(new IceCreep),,"Rate factor over temperature, and exponent. Ground without heat has its "
-				"referenceTemperature."))
+		((shared_ptr<IceCreep>,iceCreep,shared_ptr<IceCreep>(new IceCreep),,"Rate factor over temperature, and exponent. Ground without heat has "
+				"-10 degC."))
 	);
 	// clang-format on
 };
