@@ -30,6 +30,7 @@ shares = (
 	("heat, with water", "water, heat", "water"),
 	("freezing, with water", "water, heat, freezing", "water, heat"),
 	("implicit pressure, K_w of water", "water, heat, freezing, implicit pressure", "water, heat, freezing"),
+	("implicit pressure, level ground, one point a cell", "level ground, implicit pressure", "level ground"),
 	("ice segregation", "water, heat, freezing, ice segregation", "water, heat, freezing"),
 	("thaw settlement under load", "water, heat, freezing, thaw settlement", "water, heat, freezing"),
 	("free surface, heated and drained", "water, heat, freezing, surface", "water, heat, freezing"),

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // What each effect of the ground costs per point and step, beside a minimal dry code: a block of 100 x 100 cells with four points
 // each on a rough floor, free at its sides. Every benchmark is one combination of effects; scripts/bench effects compares them. In space
-// the block has 18 x 18 x 20 cells with eight points each.
+// the block has 18 x 18 x 20 cells with eight points each. The pore water of the block tears: it starts without effective stress. Level ground with
+// one point in each cell, as freezing ground is filled, rests between the sides of its box.
 #include "MinimalMpm.hpp"
 
 #include <benchmark/benchmark.h>
@@ -24,6 +25,7 @@ namespace {
 
 constexpr double spacing = 0.01, porosity = 0.4, gravity = 9.81, flipFraction = 0.97, courantNumber = 0.3;
 constexpr int    columns = 140, rows = 112, perDirection = 2, points = 40000, limitInterval = 10;
+const double     buoyant = (1.0 - porosity) * (MixtureProperties {}.solid.density - 1000.0); ///< density of ground in water [kg/m3]
 const Vec<2>     corner { 0.2, 0.0 }, size { 1.0, 1.0 };
 
 /// Where the block stands in its box, and how large both are [m].
@@ -50,6 +52,9 @@ struct Effects {
 	bool settlement  = false; ///< thaw strain and compression of soil that has thawed
 	bool oneVelocity = false; ///< no thaw front, where frozen and thawed ground meet
 	bool lookups     = false; ///< of the stable time step, as often as a run does
+	bool level       = false; ///< ground that rests, with one point in each cell
+
+	int pointsAcross() const { return level ? 1 : perDirection; } ///< a cell
 };
 
 template <int D> std::shared_ptr<SkeletonModel<D>> skeletonOf(const Effects& e)
@@ -61,7 +66,9 @@ template <int D> std::shared_ptr<SkeletonModel<D>> skeletonOf(const Effects& e)
 template <int D> GroundSettings<D> settingsOf(const Effects& e)
 {
 	GroundSettings<D> s;
-	s.upper          = placeOf(std::integral_constant<int, D>()).box;
+	s.upper = placeOf(std::integral_constant<int, D>()).box;
+	for (int a = 0; a < D - 1 && e.level; ++a)
+		s.upper[a] = placeOf(std::integral_constant<int, D>()).size[a];
 	s.gridSpacing    = spacing;
 	s.courantNumber  = courantNumber;
 	const auto floor = Region<D>::side("bottom");
@@ -72,6 +79,9 @@ template <int D> GroundSettings<D> settingsOf(const Effects& e)
 		s.motion         = m;
 		s.skeletons.push_back(skeletonOf<D>(e));
 		s.boundaries.push_back(std::make_shared<FixedBoundary<D>>(floor));
+		const char* const sides[] { "left", "right", "front", "back" };
+		for (int k = 0; k < 2 * (D - 1) && e.level; ++k)
+			s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side(sides[k])));
 	}
 	if (e.heat) s.heat = HeatSettings {};
 	if (e.freezing) s.freezing = makeFreezingCurve("gauss");
@@ -106,16 +116,19 @@ template <int D> std::unique_ptr<Ground<D>> groundWith(const Effects& e)
 {
 	auto               ground = std::make_unique<Ground<D>>(settingsOf<D>(e));
 	const Place<D>&    place  = placeOf(std::integral_constant<int, D>());
-	const double       side   = spacing / perDirection;
+	const double       side   = spacing / e.pointsAcross();
 	std::array<int, D> at {};
 	while (at[0] < std::lround(place.size[0] / side)) {
 		PointInput<D> point;
 		for (int a = 0; a < D; ++a)
-			point.position[a] = place.corner[a] + (at[a] + 0.5) * side;
-		point.volume      = std::pow(side, D);
-		point.porosity    = porosity;
-		point.temperature = -5.0 + 10.0 * point.position[D - 1] / place.size[D - 1];
-		point.pressure    = 1000.0 * gravity * (place.size[D - 1] - point.position[D - 1]);
+			point.position[a] = (e.level ? 0.0 : place.corner[a]) + (at[a] + 0.5) * side;
+		point.volume       = std::pow(side, D);
+		point.porosity     = porosity;
+		point.temperature  = -5.0 + 10.0 * point.position[D - 1] / place.size[D - 1];
+		const double depth = place.size[D - 1] - point.position[D - 1];
+		point.pressure     = 1000.0 * gravity * depth;
+		for (int k = 0; k < 3 && e.level; ++k)
+			point.stress[k] = -buoyant * gravity * depth / (k == D - 1 ? 1.0 : 3.0);
 		ground->addPoint(point);
 		for (int a = D - 1; ++at[a] == std::lround(place.size[a] / side) && a > 0; --a)
 			at[a] = 0;
@@ -289,6 +302,8 @@ std::vector<Combination> combinations()
 		{ "water, heat, freezing, ice segregation", with(averaged, &E::water, &E::heat, &E::freezing, &E::segregation) },
 		{ "water, heat, freezing, thaw settlement", with(averaged, &E::water, &E::heat, &E::freezing, &E::settlement) },
 		{ "water, heat, freezing, surface", with(averaged, &E::water, &E::heat, &E::freezing, &E::surface) },
+		{ "level ground", with(averaged, &E::water, &E::heat, &E::freezing, &E::level) },
+		{ "level ground, implicit pressure", with(averaged, &E::water, &E::heat, &E::freezing, &E::level, &E::implicit) },
 		{ "everything", with(averaged, &E::water, &E::heat, &E::freezing, &E::surface, &E::plastic, &E::record, &E::ledger, &E::lookups), true },
 	};
 }

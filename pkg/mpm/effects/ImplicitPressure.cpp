@@ -121,7 +121,7 @@ void ImplicitPressure<D>::addContent(
 		c.excess += excess;
 		c.compliance += compliance;
 		c.pressure += volume[p] * water.pressure[p];
-		c.warmth += temperature ? mass * temperature[p] : 0.0;
+		c.temperature += temperature ? mass * temperature[p] : 0.0;
 		for (int a = 0; a < D; ++a) {
 			c.carried[a] += mass * water.velocity[a][p];
 			c.middle[a] += volume[p] * points.position(a)[p];
@@ -404,10 +404,10 @@ template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surf
 
 template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step, const PoreWater<D>& water, double liquidDensity)
 {
-	const Grid<D>&     grid   = step.grid;
-	const ActiveRange& range  = step.halo;
-	const double       dt     = step.dt;
-	const double       lowest = water.settings->state.cavitationPressure;
+	const Grid<D>&     grid  = step.grid;
+	const ActiveRange& range = step.halo;
+	const double       dt    = step.dt;
+	lowest_                  = water.settings->state.cavitationPressure;
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c) {
 			Cell& cell = cells_[c];
@@ -420,15 +420,15 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 			cell.layer = cell.open / (part * part);
 			cell.thawed /= liquidDensity * liquidDensity * cell.volume;
 			cell.pressure /= cell.volume;
+			cell.temperature /= cell.liquidMass;
 			for (int a = 0; a < D; ++a) {
 				cell.place[a] /= cell.liquidMass;
 				cell.weight[a] = water.weight[a] + liquidDensity * cell.weight[a] / cell.liquidMass;
 			}
 			cell.recent        = -std::expm1(-dt * cell.drag / cell.liquidMass);
-			cell.lowest        = lowest;
 			cell.drivingExcess = water.drivingExcess(c);
-			cell.state         = cell.pressure > lowest || cell.excess > cell.compliance * lowest ? wet : cavitated;
-			cell.base          = cell.state == cavitated ? lowest : cell.pressure;
+			cell.state         = cell.pressure > lowest_ || cell.excess > cell.compliance * lowest_ ? wet : cavitated;
+			cell.base          = cell.state == cavitated ? lowest_ : cell.pressure;
 		}
 	});
 	findSquares(range);
@@ -510,38 +510,44 @@ template <int D> void ImplicitPressure<D>::forces(const ActiveRange& range, cons
 		const int from = begin + (begin + parity) % 2;
 		ThreadPool::run(std::max(0, (end - from + 1) / 2), range.parallel ? ThreadPool::threads() : 1, [&](int k, int) {
 			const int at = (from + 2 * k) * four;
-			for (int c = std::max(range.firstCell, at); c < std::min(range.lastCell, at + four); ++c) {
-				if (x[c] == 0.0) continue;
-				const double* b = link(c);
-				for (const int offset : rowOffset_) {
-					double* const f = force[baseNodes_[c] + offset];
-#pragma GCC ivdep
-					for (int i = 0; i < inRow; ++i)
-						f[i] += b[i] * x[c];
-					b += inRow;
-				}
-			}
+			push(std::max(range.firstCell, at), std::min(range.lastCell, at + four), x, force);
 		});
 	}
 	foldImages(*images_, D, [&](int node) { return force[node]; });
 }
 
-/// sum B v of velocities that follow each other in memory.
-template <int D> double ImplicitPressure<D>::divergence(int cell, const NodeField<D>& values) const
+template <int D> void ImplicitPressure<D>::push(int first, int last, const double* x, NodeField<D>& force) const
 {
-	const double* b           = link(cell);
-	double        part[inRow] = {};
-	for (const int offset : rowOffset_) {
-		const double* const v = values[baseNodes_[cell] + offset];
+	for (int c = first; c < last; ++c) {
+		if (x[c] == 0.0) continue;
+		const double* b = link(c);
+		for (const int offset : rowOffset_) {
+			double* const f = force[baseNodes_[c] + offset];
 #pragma GCC ivdep
-		for (int i = 0; i < inRow; ++i)
-			part[i] += b[i] * v[i];
-		b += inRow;
+			for (int i = 0; i < inRow; ++i)
+				f[i] += b[i] * x[c];
+			b += inRow;
+		}
 	}
-	double sum = 0.0;
-	for (int i = 0; i < inRow; ++i)
-		sum += part[i];
-	return sum;
+}
+
+template <int D> void ImplicitPressure<D>::divergence(int first, int last, const NodeField<D>& values, double* sums) const
+{
+	for (int c = first; c < last; ++c) {
+		if (cells_[c].state == none) continue;
+		const double* b           = link(c);
+		double        part[inRow] = {};
+		for (const int offset : rowOffset_) {
+			const double* const v = values[baseNodes_[c] + offset];
+#pragma GCC ivdep
+			for (int i = 0; i < inRow; ++i)
+				part[i] += b[i] * v[i];
+			b += inRow;
+		}
+		sums[c] = 0.0;
+		for (int i = 0; i < inRow; ++i)
+			sums[c] += part[i];
+	}
 }
 
 /// Flow out of a cell that pressures drive [m^D/s].
@@ -608,8 +614,9 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 	});
 	momentum.unfoldChanges(step.halo, moved_);
 	step.owned.overCells([&](int first, int last) {
+		divergence(first, last, moved_, y);
 		for (int c = first; c < last; ++c)
-			y[c] = cells_[c].state == none ? 0.0 : cells_[c].compliance * x[c] + dt * (divergence(c, moved_) + flowOut(c, x)) + checkerboard(c, x);
+			y[c] = cells_[c].state == none ? 0.0 : cells_[c].compliance * x[c] + dt * (y[c] + flowOut(c, x)) + checkerboard(c, x);
 	});
 }
 
@@ -625,6 +632,7 @@ template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& s
 			change_[c] = cells_[c].state == none ? 0.0 : cells_[c].base - cells_[c].pressure;
 	});
 	step.owned.overCells([&](int first, int last) {
+		divergence(first, last, moved_, image_.data());
 		for (int c = first; c < last; ++c) {
 			const Cell& cell = cells_[c];
 			initial_[c]      = 0.0;
@@ -644,7 +652,7 @@ template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& s
 					out += faces_[a][before].conductance * (cell.pressure - cells_[before].pressure - faces_[a][before].weight);
 			}
 			const double off = cell.excess - cell.compliance * cell.pressure;
-			initial_[c]      = off + fed / liquidDensity - dt * out - dt * divergence(c, moved_);
+			initial_[c]      = off + fed / liquidDensity - dt * out - dt * image_[c];
 		}
 	});
 }
@@ -730,10 +738,11 @@ template <int D> void ImplicitPressure<D>::iterate(const StepContext<D>& step, c
 {
 	const ActiveRange& range = step.owned;
 	findPreconditioner(step, momentum);
-	apply(step, momentum, change_.data(), image_.data());
+	const bool begun = std::any_of(change_.data() + step.halo.firstCell, change_.data() + step.halo.lastCell, [](double x) { return x != 0.0; });
+	if (begun) apply(step, momentum, change_.data(), image_.data());
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c)
-			residual_[c] = initial_[c] - image_[c];
+			residual_[c] = begun ? initial_[c] - image_[c] : initial_[c];
 	});
 	multigrid_.solve(step, residual_, direction_);
 	double       norm  = sum(step, [&](int c) { return residual_[c] * direction_[c]; });
@@ -766,9 +775,9 @@ template <int D> bool ImplicitPressure<D>::changeStates(const StepContext<D>& st
 	bool               changed = false;
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
 		Cell& cell = cells_[c];
-		if (cell.state == wet && cell.pressure + change_[c] < cell.lowest) {
+		if (cell.state == wet && cell.pressure + change_[c] < lowest_) {
 			cell.state = cavitated;
-			change_[c] = cell.lowest - cell.pressure;
+			change_[c] = lowest_ - cell.pressure;
 			changed    = true;
 		} else if (cell.state == cavitated && residual_[c] > 0.0) {
 			cell.state = wet;
@@ -884,11 +893,11 @@ template <int D> void ImplicitPressure<D>::bookDissipation(const StepContext<D>&
 
 template <int D> double ImplicitPressure<D>::givenTemperature(const ActiveRange& range, int cell, int axis, int step) const
 {
-	const auto mean = [&](int c) { return cells_[c].warmth / cells_[c].liquidMass; };
-	const int  next = (step > 0 ? next_ : before_)[axis][cell], before = wetCell(range, cell, axis, -step);
-	if (before < 0) return mean(cell);
-	const double behind = mean(cell) - mean(before), ahead = mean(next) - mean(cell); // the limiter of van Leer
-	return behind * ahead > 0.0 ? mean(cell) + behind * ahead / (behind + ahead) : mean(cell);
+	const int    next = (step > 0 ? next_ : before_)[axis][cell], before = wetCell(range, cell, axis, -step);
+	const double mean = cells_[cell].temperature;
+	if (before < 0) return mean;
+	const double behind = mean - cells_[before].temperature, ahead = cells_[next].temperature - mean; // the limiter of van Leer
+	return behind * ahead > 0.0 ? mean + behind * ahead / (behind + ahead) : mean;
 }
 
 template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, PoreWater<D>& water, const LiquidOfGround& liquid)
@@ -919,7 +928,7 @@ template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, 
 				if (ahead != 0.0) take(to, ahead > 0.0 ? c : next, -liquidDensity * ahead, warmth(c, ahead));
 				if (behind != 0.0) take(to, behind > 0.0 ? before : c, liquidDensity * behind, warmth(before, behind));
 			}
-			if (cells_[c].out != 0.0) take(to, c, -liquidDensity * cells_[c].out, cells_[c].warmth / cells_[c].liquidMass);
+			if (cells_[c].out != 0.0) take(to, c, -liquidDensity * cells_[c].out, cells_[c].temperature);
 		}
 	});
 	for (const int c : exposed_) {
@@ -928,7 +937,7 @@ template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, 
 		StepAccount<D>& account = step.ledger.ofCell(c);
 		account.waterOut += mass;
 		account.waterEnergyOut += cells_[c].out * (water.heightOfCell(c) - cells_[c].drives / cells_[c].drained);
-		if (enthalpy) account.enthalpyOut += mass * enthalpy->liquidEnthalpy(cells_[c].warmth / cells_[c].liquidMass);
+		if (enthalpy) account.enthalpyOut += mass * enthalpy->liquidEnthalpy(cells_[c].temperature);
 		for (int a = 0; a < D; ++a)
 			account.momentumOut[a] += mass / cells_[c].liquidMass * cells_[c].carried[a];
 	}
@@ -938,7 +947,7 @@ template <int D> void ImplicitPressure<D>::givePressure(const ActiveRange& range
 {
 	range.overCells([&](int first, int last) {
 		for (int c = first; c < last; ++c)
-			if (cells_[c].state != none) water.setCellPressure(c, std::max(cells_[c].pressure + change_[c], cells_[c].lowest));
+			if (cells_[c].state != none) water.setCellPressure(c, std::max(cells_[c].pressure + change_[c], lowest_));
 	});
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/base/PagedArray.hpp>
+#include <pkg/base/ProcessorVersions.hpp>
 #include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
@@ -77,7 +78,7 @@ private:
 	static constexpr int inRow   = 4 * D;            ///< numbers of a row of four nodes, which follow each other in memory
 	/// Sums over the points of a cell, and means of them once the flow begins.
 	struct Cell {
-		double liquidMass, drag, excess, compliance, pressure, warmth, carried[D];
+		double liquidMass, drag, excess, compliance, pressure, temperature, carried[D];
 		double place[D];        ///< of the liquid [m]
 		double weight[D];       ///< of water in ground that accelerates, rho_l (b - a) [N/m^3]
 		double recent;          ///< share of this step in the acceleration that water feels
@@ -88,7 +89,6 @@ private:
 		double part;            ///< of it that has thawed as a layer on one side, see thawedPart(); 0: none
 		double volume, mobility, fill, base, drivingExcess; ///< base: pressure from which x counts [Pa]
 		double middle[D];                                   ///< of its ground: sum V x; then from the middle of the cell, in spacings
-		double lowest;                                      ///< cavitation pressure [Pa]
 		double drained, drives; ///< conductance of its drained faces [m^D/(Pa s)], and the flow that they let out at p = 0 [m^D/s]
 		double out;             ///< volume that leaves through them in the step [m^D]
 		double leaves[D];       ///< their conductances, along their outward normals [m^D/(Pa s)]
@@ -129,9 +129,10 @@ private:
 	void                       drainThrough(Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges) const;
 	template <class Work> void overCorners(const Grid<D>& grid, int cell, Work&& work) const;
 	/// Force of pressures on the nodes.
-	void forces(const ActiveRange& range, const double* x, NodeField<D>& force) const;
-	/// sum B v of a cell.
-	double divergence(int cell, const NodeField<D>& values) const;
+	void                          forces(const ActiveRange& range, const double* x, NodeField<D>& force) const;
+	TALIK_PROCESSOR_VERSIONS void push(int first, int last, const double* x, NodeField<D>& force) const;
+	/// sum B v of cells with water, of velocities that follow each other in memory.
+	TALIK_PROCESSOR_VERSIONS void divergence(int first, int last, const NodeField<D>& values, double* sums) const;
 	/// y of the cells of this rank, from x of those around them, too.
 	void   apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y);
 	double flowOut(int cell, const double* x) const;
@@ -173,7 +174,7 @@ private:
 	std::vector<int>                  exposed_; ///< cells with a face without ground behind it
 	std::vector<double>               partial_;
 	double                            checkerboard_ = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
-	double                            cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0;
+	double                            cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0, lowest_ = 0.0; ///< lowest_: cavitation pressure [Pa]
 	PointFields::Handle               seepageField_, accelerationField_;
 	std::array<double*, D>            velocity_, acceleration_;
 	std::array<PagedArray<double>, D> startVelocity_; ///< of the ground of points at the start of the step [m/s]
