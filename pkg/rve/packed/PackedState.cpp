@@ -32,7 +32,12 @@ namespace {
 		explicit Reader(const std::string& from)
 		        : bytes(from)
 		{}
-		template <class T> void value(T& item) { take(&item, sizeof(T)); }
+		template <class T> void value(T& item)
+		{
+			T read;
+			take(&read, sizeof(T));
+			item = read;
+		}
 		template <class T> void array(std::vector<T>& items)
 		{
 			std::uint64_t count = 0;
