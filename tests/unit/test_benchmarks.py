@@ -14,6 +14,7 @@ sys.path.insert(0, str(benchmarks))
 import card
 import figures
 import kernels
+import watch
 from figures import Figure
 
 
@@ -95,3 +96,27 @@ def test_without_a_card_nothing_is_measured_and_that_is_said(build):
 	run = subprocess.run(list(map(str, command)), capture_output=True, text=True)
 	print(notes)
 	assert found == [] and run.returncode == 0 and "not measured: There is no driver" in run.stdout
+
+
+def test_a_watch_marks_what_takes_a_twentieth_more_than_in_the_last_line_of_the_same_machine(tmp_path, capsys):
+	result, table = tmp_path / "result.json", tmp_path / "watch.csv"
+
+	def run(commit, machine, packed, implicit):
+		rows = {
+			"frictional, avx2: stock/packed": packed,
+			"frictional, portable: stock/packed": 1.0,
+			"level ground, implicit pressure": implicit,
+			"level ground": 400.0,
+		}
+		result.write_text(json.dumps(dict(machine={"CPU": machine}, figures=[dict(name=name, value=value) for name, value in rows.items()])))
+		status = watch.main(table, commit, result)
+		return status, capsys.readouterr().out
+
+	status, said = run("a", "one", 50.0, 1200.0)
+	assert status == 0 and "0.02  discs over stock YADE" in said and "3  implicit over explicit pressure" in said
+	assert run("b", "another", 10.0, 2000.0)[0] == 0
+	status, said = run("c", "one", 48.0, 1300.0)
+	red = [line for line in said.splitlines() if line.startswith("\033[31m")]
+	print(red)
+	assert status == 1 and len(red) == 1 and "implicit over explicit pressure" in red[0]
+	assert len(table.read_text().splitlines()) == 4
