@@ -213,15 +213,13 @@ template <int D> void HeatTransfer<D>::prescribe(const StepContext<D>& step)
 template <int D> void HeatTransfer<D>::nodalTemperature(const StepContext<D>& step, const std::vector<std::shared_ptr<Boundary<D>>>& boundaries)
 {
 	const ActiveRange& range = step.halo;
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			const double* r         = nodes[i];
-			capacity[i][0]          = r[0];
-			nodal[i][0]             = r[0] > 0.0 ? r[1] / r[0] : 0.0;
-			mapped[i][0]            = reference + nodal[i][0];
-			energy[i][0]            = 0.0;
-			nullSpaceResidual[i][0] = 0.0;
-		}
+	range.eachNode([&](int i) {
+		const double* r         = nodes[i];
+		capacity[i][0]          = r[0];
+		nodal[i][0]             = r[0] > 0.0 ? r[1] / r[0] : 0.0;
+		mapped[i][0]            = reference + nodal[i][0];
+		energy[i][0]            = 0.0;
+		nullSpaceResidual[i][0] = 0.0;
 	});
 	for (std::size_t k = 0; k < prescribed_.size(); ++k)
 		wanted_[k] = boundaries[prescribed_[k].boundary]->temperature(step.calendarEnd) - reference;
@@ -326,10 +324,7 @@ template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, c
 		energy[n.inner][0] -= energy[n.ghost][0];
 		energy[n.ghost][0] = 0.0;
 	}
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			increment[i][0] = nodes[i][0] > 0.0 ? energy[i][0] / nodes[i][0] : 0.0;
-	});
+	range.eachNode([&](int i) { increment[i][0] = nodes[i][0] > 0.0 ? energy[i][0] / nodes[i][0] : 0.0; });
 	for (std::size_t k = 0; k < prescribed_.size(); ++k) {
 		const int    node     = prescribed_[k].node;
 		const double capacity = nodes[node][0];
@@ -347,9 +342,8 @@ template <int D> void HeatTransfer<D>::finishNodes(const StepContext<D>& step, c
 	// the gradient at a wall and the sum of C T stay
 	smoothed_        = smoothing(step);
 	const double chi = smoothed_;
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			if (capacity[i][0] > 0.0) increment[i][0] += chi * (nodal[i][0] - nullSpaceResidual[i][0] / capacity[i][0]);
+	range.eachNode([&](int i) {
+		if (capacity[i][0] > 0.0) increment[i][0] += chi * (nodal[i][0] - nullSpaceResidual[i][0] / capacity[i][0]);
 	});
 }
 

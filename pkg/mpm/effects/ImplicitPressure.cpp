@@ -244,11 +244,9 @@ template <int D> void ImplicitPressure<D>::foldLinks(int c, const double* volume
 
 template <int D> void ImplicitPressure<D>::tieLiquid(const StepContext<D>& step, PoreWater<D>& water)
 {
-	step.halo.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			water.nodes[i][PoreWater<D>::dragAt] = water.nodes[i][PoreWater<D>::massAt] / (leftOfDifference * step.dt);
-			std::fill_n(water.force[i], D, 0.0);
-		}
+	step.halo.eachNode([&](int i) {
+		water.nodes[i][PoreWater<D>::dragAt] = water.nodes[i][PoreWater<D>::massAt] / (leftOfDifference * step.dt);
+		std::fill_n(water.force[i], D, 0.0);
 	});
 }
 
@@ -312,26 +310,23 @@ template <int D> double ImplicitPressure<D>::thawedPart(const ActiveRange& range
 /// Cells that a thaw front passes, and the pressure of their thawed layer, eq. (7.6).
 template <int D> void ImplicitPressure<D>::findLayers(const ActiveRange& range)
 {
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			Cell& cell = cells_[c];
-			if (cell.state == none || cell.ice == 0.0) continue;
-			double frozenPressure = 0.0, lowest = cell.pressure;
-			for (int a = 0; a < D; ++a)
-				for (const int side : { -1, 1 }) {
-					const double weight = side * cell.weight[a] * spacing_;
-					if (const int before = wetCell(range, c, a, side); before >= 0)
-						lowest = std::min(lowest, cells_[before].pressure - weight);
-					const double part = thawedPart(range, c, a, side);
-					if (part <= cell.part) continue;
-					cell.part      = part;
-					frozenPressure = cells_[wetCell(range, c, a, -side)].pressure + weight;
-				}
-			if (cell.part == 0.0) continue;
-			cell.layer           = cell.thawed / cell.part;
-			const double inLayer = (cell.pressure - (1.0 - cell.part) * frozenPressure) / cell.part;
-			cell.drivingExcess   = frozenPressure <= cell.pressure ? 0.0 : std::max(lowest, inLayer) - cell.pressure;
-		}
+	range.eachCell([&](int c) {
+		Cell& cell = cells_[c];
+		if (cell.state == none || cell.ice == 0.0) return;
+		double frozenPressure = 0.0, lowest = cell.pressure;
+		for (int a = 0; a < D; ++a)
+			for (const int side : { -1, 1 }) {
+				const double weight = side * cell.weight[a] * spacing_;
+				if (const int before = wetCell(range, c, a, side); before >= 0) lowest = std::min(lowest, cells_[before].pressure - weight);
+				const double part = thawedPart(range, c, a, side);
+				if (part <= cell.part) continue;
+				cell.part      = part;
+				frozenPressure = cells_[wetCell(range, c, a, -side)].pressure + weight;
+			}
+		if (cell.part == 0.0) return;
+		cell.layer           = cell.thawed / cell.part;
+		const double inLayer = (cell.pressure - (1.0 - cell.part) * frozenPressure) / cell.part;
+		cell.drivingExcess   = frozenPressure <= cell.pressure ? 0.0 : std::max(lowest, inLayer) - cell.pressure;
 	});
 }
 
@@ -364,23 +359,20 @@ template <int D> double ImplicitPressure<D>::coveredAt(const ActiveRange& range,
 template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range)
 {
 	for (int a = 0; a < D; ++a)
-		range.overCells([&](int first, int last) {
-			for (int c = first; c < last; ++c) {
-				Face& f = faces_[a][c];
-				f       = {};
-				if (!hasNext(range, c, a)) continue;
-				const Cell &here = cells_[c], &there = cells_[next_[a][c]];
-				if (here.state == none || there.state == none) continue;
-				// a plane that cuts both leaves no less of their face than of the emptier one
-				f.covered = std::max({ section(here, a, 1), section(there, a, -1), std::min(here.fill, there.fill) });
-				if (!(here.mobility > 0.0 && there.mobility > 0.0)) continue;
-				const double from = wayFrom(here, there), to = wayFrom(there, here);
-				const double before = 0.5 - here.middle[a], behind = 0.5 + there.middle[a],
-				             farther = std::max(1.0, leastFill / (before + behind));
-				f.conductance        = faceArea_ / spacing_ * f.covered / (farther * (before / from + behind / to));
-				const double goesOn  = next_[a][c] <= c ? grid.width(a) : 0.0; // behind a periodic side places go on
-				f.weight             = weightBetween(here, there, a, goesOn) + here.drivingExcess - there.drivingExcess;
-			}
+		range.eachCell([&](int c) {
+			Face& f = faces_[a][c];
+			f       = {};
+			if (!hasNext(range, c, a)) return;
+			const Cell &here = cells_[c], &there = cells_[next_[a][c]];
+			if (here.state == none || there.state == none) return;
+			// a plane that cuts both leaves no less of their face than of the emptier one
+			f.covered = std::max({ section(here, a, 1), section(there, a, -1), std::min(here.fill, there.fill) });
+			if (!(here.mobility > 0.0 && there.mobility > 0.0)) return;
+			const double from = wayFrom(here, there), to = wayFrom(there, here);
+			const double before = 0.5 - here.middle[a], behind = 0.5 + there.middle[a], farther = std::max(1.0, leastFill / (before + behind));
+			f.conductance       = faceArea_ / spacing_ * f.covered / (farther * (before / from + behind / to));
+			const double goesOn = next_[a][c] <= c ? grid.width(a) : 0.0; // behind a periodic side places go on
+			f.weight            = weightBetween(here, there, a, goesOn) + here.drivingExcess - there.drivingExcess;
 		});
 }
 
@@ -408,28 +400,26 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 	const ActiveRange& range = step.halo;
 	const double       dt    = step.dt;
 	lowest_                  = water.settings->state.cavitationPressure;
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			Cell& cell = cells_[c];
-			if (!(cell.liquidMass > 0.0 && cell.compliance > 0.0)) continue;
-			const double liquid = cell.liquidMass / liquidDensity;
-			cell.mobility       = liquid * liquid / (cell.volume * cell.drag);
-			// the part of the cell that is open, as if it were open evenly and the rest closed
-			const double part = cell.open * cell.open / (cell.volume * cell.opensWell);
-			cell.open /= liquidDensity * liquidDensity * cell.volume;
-			cell.layer = cell.open / (part * part);
-			cell.thawed /= liquidDensity * liquidDensity * cell.volume;
-			cell.pressure /= cell.volume;
-			cell.temperature /= cell.liquidMass;
-			for (int a = 0; a < D; ++a) {
-				cell.place[a] /= cell.liquidMass;
-				cell.weight[a] = water.weight[a] + liquidDensity * cell.weight[a] / cell.liquidMass;
-			}
-			cell.recent        = -std::expm1(-dt * cell.drag / cell.liquidMass);
-			cell.drivingExcess = water.drivingExcess(c);
-			cell.state         = cell.pressure > lowest_ || cell.excess > cell.compliance * lowest_ ? wet : cavitated;
-			cell.base          = cell.state == cavitated ? lowest_ : cell.pressure;
+	range.eachCell([&](int c) {
+		Cell& cell = cells_[c];
+		if (!(cell.liquidMass > 0.0 && cell.compliance > 0.0)) return;
+		const double liquid = cell.liquidMass / liquidDensity;
+		cell.mobility       = liquid * liquid / (cell.volume * cell.drag);
+		// the part of the cell that is open, as if it were open evenly and the rest closed
+		const double part = cell.open * cell.open / (cell.volume * cell.opensWell);
+		cell.open /= liquidDensity * liquidDensity * cell.volume;
+		cell.layer = cell.open / (part * part);
+		cell.thawed /= liquidDensity * liquidDensity * cell.volume;
+		cell.pressure /= cell.volume;
+		cell.temperature /= cell.liquidMass;
+		for (int a = 0; a < D; ++a) {
+			cell.place[a] /= cell.liquidMass;
+			cell.weight[a] = water.weight[a] + liquidDensity * cell.weight[a] / cell.liquidMass;
 		}
+		cell.recent        = -std::expm1(-dt * cell.drag / cell.liquidMass);
+		cell.drivingExcess = water.drivingExcess(c);
+		cell.state         = cell.pressure > lowest_ || cell.excess > cell.compliance * lowest_ ? wet : cavitated;
+		cell.base          = cell.state == cavitated ? lowest_ : cell.pressure;
 	});
 	findSquares(range);
 	findLayers(range);
@@ -565,18 +555,15 @@ template <int D> double ImplicitPressure<D>::flowOut(int c, const double* x) con
 /// Which pairs of axes have all four cells from c on filled with water, a bit each.
 template <int D> void ImplicitPressure<D>::findSquares(const ActiveRange& range)
 {
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			int pair    = 0;
-			squares_[c] = 0;
-			for (int a = 0; a < D; ++a)
-				for (int b = a + 1; b < D; ++b, ++pair) {
-					const int na = next_[a][c], nb = next_[b][c];
-					if (cells_[c].state == none || na < 0 || nb < 0 || next_[b][na] >= range.lastCell) continue;
-					if (cells_[na].state != none && cells_[nb].state != none && cells_[next_[b][na]].state != none)
-						squares_[c] |= 1 << pair;
-				}
-		}
+	range.eachCell([&](int c) {
+		int pair    = 0;
+		squares_[c] = 0;
+		for (int a = 0; a < D; ++a)
+			for (int b = a + 1; b < D; ++b, ++pair) {
+				const int na = next_[a][c], nb = next_[b][c];
+				if (cells_[c].state == none || na < 0 || nb < 0 || next_[b][na] >= range.lastCell) continue;
+				if (cells_[na].state != none && cells_[nb].state != none && cells_[next_[b][na]].state != none) squares_[c] |= 1 << pair;
+			}
 	});
 }
 
@@ -607,10 +594,9 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 	const double dt = step.dt;
 	forces(step.halo, x, moved_);
 	momentum.foldForces(step.halo, moved_);
-	step.halo.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			for (int a = 0; a < D; ++a)
-				moved_[i][a] *= response_[i][a];
+	step.halo.eachNode([&](int i) {
+		for (int a = 0; a < D; ++a)
+			moved_[i][a] *= response_[i][a];
 	});
 	momentum.unfoldChanges(step.halo, moved_);
 	step.owned.overCells([&](int first, int last) {
@@ -623,14 +609,8 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
 {
 	const double dt = step.dt;
-	step.halo.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			std::copy_n(motion.solved[i] + motion.velocityAt, D, moved_[i]);
-	});
-	step.halo.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			change_[c] = cells_[c].state == none ? 0.0 : cells_[c].base - cells_[c].pressure;
-	});
+	step.halo.eachNode([&](int i) { std::copy_n(motion.solved[i] + motion.velocityAt, D, moved_[i]); });
+	step.halo.eachCell([&](int c) { change_[c] = cells_[c].state == none ? 0.0 : cells_[c].base - cells_[c].pressure; });
 	step.owned.overCells([&](int first, int last) {
 		divergence(first, last, moved_, image_.data());
 		for (int c = first; c < last; ++c) {
@@ -673,24 +653,19 @@ template <int D> void ImplicitPressure<D>::findPreconditioner(const StepContext<
 	const Grid<D>& grid = step.grid;
 	const double   dt   = step.dt;
 	// the states of the halo are those at the start of the step
-	step.owned.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			direction_[c] = cells_[c].state == wet ? 1.0 : 0.0;
-	});
+	step.owned.eachCell([&](int c) { direction_[c] = cells_[c].state == wet ? 1.0 : 0.0; });
 	Multigrid::share(step, direction_);
 	apply(step, momentum, direction_.data(), image_.data());
-	step.halo.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			auto& m = multigrid_[c];
-			m       = {};
-			if (direction_[c] == 0.0) continue;
-			m.storage = cells_[c].compliance + dt * cells_[c].drained;
-			if (c >= step.owned.firstCell && c < step.owned.lastCell) m.storage = std::max(m.storage, image_[c]);
-			for (int a = 0; a < D; ++a)
-				// without the faces of periodic sides: iterations find what these do
-				if (hasNext(step.halo, c, a) && next_[a][c] > c && direction_[next_[a][c]] != 0.0)
-					m.conductance[a] = dt * (faces_[a][c].conductance + movedAcross(grid, c, a));
-		}
+	step.halo.eachCell([&](int c) {
+		auto& m = multigrid_[c];
+		m       = {};
+		if (direction_[c] == 0.0) return;
+		m.storage = cells_[c].compliance + dt * cells_[c].drained;
+		if (c >= step.owned.firstCell && c < step.owned.lastCell) m.storage = std::max(m.storage, image_[c]);
+		for (int a = 0; a < D; ++a)
+			// without the faces of periodic sides: iterations find what these do
+			if (hasNext(step.halo, c, a) && next_[a][c] > c && direction_[next_[a][c]] != 0.0)
+				m.conductance[a] = dt * (faces_[a][c].conductance + movedAcross(grid, c, a));
 	});
 	multigrid_.build(step);
 }
@@ -740,10 +715,7 @@ template <int D> void ImplicitPressure<D>::iterate(const StepContext<D>& step, c
 	findPreconditioner(step, momentum);
 	const bool begun = std::any_of(change_.data() + step.halo.firstCell, change_.data() + step.halo.lastCell, [](double x) { return x != 0.0; });
 	if (begun) apply(step, momentum, change_.data(), image_.data());
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			residual_[c] = begun ? initial_[c] - image_[c] : initial_[c];
-	});
+	range.eachCell([&](int c) { residual_[c] = begun ? initial_[c] - image_[c] : initial_[c]; });
 	multigrid_.solve(step, residual_, direction_);
 	double       norm  = sum(step, [&](int c) { return residual_[c] * direction_[c]; });
 	const double stand = sum(step, [&](int c) { return multigrid_.diagonal(c) * cells_[c].base * cells_[c].base; });
@@ -752,18 +724,13 @@ template <int D> void ImplicitPressure<D>::iterate(const StepContext<D>& step, c
 		Multigrid::share(step, direction_);
 		apply(step, momentum, direction_.data(), image_.data());
 		const double way = norm / sum(step, [&](int c) { return direction_[c] * image_[c]; });
-		range.overCells([&](int first, int last) {
-			for (int c = first; c < last; ++c) {
-				change_[c] += way * direction_[c];
-				residual_[c] -= way * image_[c];
-			}
+		range.eachCell([&](int c) {
+			change_[c] += way * direction_[c];
+			residual_[c] -= way * image_[c];
 		});
 		multigrid_.solve(step, residual_, preconditioned_);
 		const double next = sum(step, [&](int c) { return residual_[c] * preconditioned_[c]; });
-		range.overCells([&](int first, int last) {
-			for (int c = first; c < last; ++c)
-				direction_[c] = preconditioned_[c] + next / norm * direction_[c];
-		});
+		range.eachCell([&](int c) { direction_[c] = preconditioned_[c] + next / norm * direction_[c]; });
 		norm = next;
 	}
 }
@@ -789,21 +756,19 @@ template <int D> bool ImplicitPressure<D>::changeStates(const StepContext<D>& st
 
 template <int D> void ImplicitPressure<D>::findMoved(const ActiveRange& range, double dt)
 {
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			Cell& cell = cells_[c];
-			cell.out   = dt * (cell.drained * (cell.pressure + change_[c]) + cell.drives);
-			for (int a = 0; a < D; ++a) {
-				Face&     f    = faces_[a][c];
-				const int next = next_[a][c];
-				if (!hasNext(range, c, a) || cell.state == none || cells_[next].state == none) continue;
-				f.moved = dt * f.conductance * (cell.pressure + change_[c] - cells_[next].pressure - change_[next] + f.weight);
-				for (int b = 0; b < D; ++b) {
-					if (b == a) continue;
-					const int low = std::min(a, b), high = std::max(a, b), pair = low == 0 ? high - 1 : 2;
-					f.moved += 0.5 * checkerboard_ * hourglass(c, pair, low, high, change_.data());
-					f.moved -= 0.5 * checkerboard_ * hourglass(before_[b][c], pair, low, high, change_.data());
-				}
+	range.eachCell([&](int c) {
+		Cell& cell = cells_[c];
+		cell.out   = dt * (cell.drained * (cell.pressure + change_[c]) + cell.drives);
+		for (int a = 0; a < D; ++a) {
+			Face&     f    = faces_[a][c];
+			const int next = next_[a][c];
+			if (!hasNext(range, c, a) || cell.state == none || cells_[next].state == none) continue;
+			f.moved = dt * f.conductance * (cell.pressure + change_[c] - cells_[next].pressure - change_[next] + f.weight);
+			for (int b = 0; b < D; ++b) {
+				if (b == a) continue;
+				const int low = std::min(a, b), high = std::max(a, b), pair = low == 0 ? high - 1 : 2;
+				f.moved += 0.5 * checkerboard_ * hourglass(c, pair, low, high, change_.data());
+				f.moved -= 0.5 * checkerboard_ * hourglass(before_[b][c], pair, low, high, change_.data());
 			}
 		}
 	});
@@ -812,15 +777,13 @@ template <int D> void ImplicitPressure<D>::findMoved(const ActiveRange& range, d
 /// The mean of what flows through both faces of a cell along an axis, and through its surface.
 template <int D> void ImplicitPressure<D>::findSeepage(const ActiveRange& range, double dt, double liquidDensity)
 {
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			Cell& cell = cells_[c];
-			if (cell.state == none) continue;
-			for (int a = 0; a < D; ++a) {
-				const double behind  = before_[a][c] >= 0 ? faces_[a][before_[a][c]].moved : 0.0;
-				const double through = cell.drained > 0.0 ? cell.out * cell.leaves[a] / cell.drained : 0.0;
-				cell.flows[a]        = 0.5 * (faces_[a][c].moved + behind + through) * spacing_ * liquidDensity / (dt * cell.liquidMass);
-			}
+	range.eachCell([&](int c) {
+		Cell& cell = cells_[c];
+		if (cell.state == none) return;
+		for (int a = 0; a < D; ++a) {
+			const double behind  = before_[a][c] >= 0 ? faces_[a][before_[a][c]].moved : 0.0;
+			const double through = cell.drained > 0.0 ? cell.out * cell.leaves[a] / cell.drained : 0.0;
+			cell.flows[a]        = 0.5 * (faces_[a][c].moved + behind + through) * spacing_ * liquidDensity / (dt * cell.liquidMass);
 		}
 	});
 }
@@ -912,24 +875,22 @@ template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, 
                 for (int a = 0; a < D; ++a)
                         to[Gathered::momentum + a] += mass / cells_[donor].liquidMass * cells_[donor].carried[a];
 	};
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			if (cells_[c].state == none) continue;
-			double* const to = water.cellExchange(c);
-			for (int a = 0; a < D; ++a) {
-				const int    next = next_[a][c], before = before_[a][c];
-				const double ahead = faces_[a][c].moved, behind = before >= step.halo.firstCell ? faces_[a][before].moved : 0.0;
-				// both cells of a face ask for the same number, so that none is lost
-				const auto warmth = [&](int face, double moved) {
-					return !enthalpy      ? 0.0
-					        : moved > 0.0 ? givenTemperature(step.halo, face, a, 1)
-					                      : givenTemperature(step.halo, next_[a][face], a, -1);
-				};
-				if (ahead != 0.0) take(to, ahead > 0.0 ? c : next, -liquidDensity * ahead, warmth(c, ahead));
-				if (behind != 0.0) take(to, behind > 0.0 ? before : c, liquidDensity * behind, warmth(before, behind));
-			}
-			if (cells_[c].out != 0.0) take(to, c, -liquidDensity * cells_[c].out, cells_[c].temperature);
+	range.eachCell([&](int c) {
+		if (cells_[c].state == none) return;
+		double* const to = water.cellExchange(c);
+		for (int a = 0; a < D; ++a) {
+			const int    next = next_[a][c], before = before_[a][c];
+			const double ahead = faces_[a][c].moved, behind = before >= step.halo.firstCell ? faces_[a][before].moved : 0.0;
+			// both cells of a face ask for the same number, so that none is lost
+			const auto warmth = [&](int face, double moved) {
+				return !enthalpy      ? 0.0
+				        : moved > 0.0 ? givenTemperature(step.halo, face, a, 1)
+				                      : givenTemperature(step.halo, next_[a][face], a, -1);
+			};
+			if (ahead != 0.0) take(to, ahead > 0.0 ? c : next, -liquidDensity * ahead, warmth(c, ahead));
+			if (behind != 0.0) take(to, behind > 0.0 ? before : c, liquidDensity * behind, warmth(before, behind));
 		}
+		if (cells_[c].out != 0.0) take(to, c, -liquidDensity * cells_[c].out, cells_[c].temperature);
 	});
 	for (const int c : exposed_) {
 		const double mass = liquidDensity * cells_[c].out;
@@ -945,9 +906,8 @@ template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, 
 
 template <int D> void ImplicitPressure<D>::givePressure(const ActiveRange& range, PoreWater<D>& water) const
 {
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			if (cells_[c].state != none) water.setCellPressure(c, std::max(cells_[c].pressure + change_[c], lowest_));
+	range.eachCell([&](int c) {
+		if (cells_[c].state != none) water.setCellPressure(c, std::max(cells_[c].pressure + change_[c], lowest_));
 	});
 }
 

@@ -75,13 +75,11 @@ MomentumSolver<D>::MomentumSolver(const Grid<D>& grid, const std::vector<std::sh
 template <int D> void MomentumSolver<D>::addGravity(const ActiveRange& range, SolidMotion<D>& motion, const PoreWater<D>* water) const
 {
 	const Vec<D> b = motion.settings->gravity;
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			double*      r = motion.nodes[i];
-			const double m = r[motion.massAt] + (water ? water->nodes[i][water->massAt] : 0.0);
-			for (int a = 0; a < D; ++a)
-				r[motion.forceAt + a] += m * b[a];
-		}
+	range.eachNode([&](int i) {
+		double*      r = motion.nodes[i];
+		const double m = r[motion.massAt] + (water ? water->nodes[i][water->massAt] : 0.0);
+		for (int a = 0; a < D; ++a)
+			r[motion.forceAt + a] += m * b[a];
 	});
 }
 
@@ -271,22 +269,20 @@ void MomentumSolver<D>::applySymmetryToSolid(const typename MotionConstraints<D>
 template <int D> template <bool Damped> void MomentumSolver<D>::solveDry(const ActiveRange& range, SolidMotion<D>& motion, double dt)
 {
 	const double chi = motion.kept, alpha = motion.settings->localDamping;
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			const double* r       = motion.nodes[i];
-			const double  inverse = r[motion.massAt] > 0.0 ? 1.0 / r[motion.massAt] : 0.0;
-			double*       out     = motion.solved[i];
-			for (int a = 0; a < D; ++a) {
-				const double v = r[motion.momentumAt + a] * inverse;
-				double       f = r[motion.forceAt + a];
-				if constexpr (Damped) {
-					damping_[i][a] = dampingOf(alpha, f, v);
-					f += damping_[i][a];
-				}
-				const double change        = dt * f * inverse;
-				out[motion.velocityAt + a] = v + change;
-				out[a]                     = chi * change + (1.0 - chi) * (v + change);
+	range.eachNode([&](int i) {
+		const double* r       = motion.nodes[i];
+		const double  inverse = r[motion.massAt] > 0.0 ? 1.0 / r[motion.massAt] : 0.0;
+		double*       out     = motion.solved[i];
+		for (int a = 0; a < D; ++a) {
+			const double v = r[motion.momentumAt + a] * inverse;
+			double       f = r[motion.forceAt + a];
+			if constexpr (Damped) {
+				damping_[i][a] = dampingOf(alpha, f, v);
+				f += damping_[i][a];
 			}
+			const double change        = dt * f * inverse;
+			out[motion.velocityAt + a] = v + change;
+			out[a]                     = chi * change + (1.0 - chi) * (v + change);
 		}
 	});
 }
@@ -295,38 +291,35 @@ template <int D> template <bool Damped> void MomentumSolver<D>::solveTwoPhase(co
 {
 	using W          = PoreWater<D>;
 	const double chi = motion.kept, chiLiquid = water.kept, alpha = motion.settings->localDamping;
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			const double* r  = motion.nodes[i];
-			const double* rl = water.nodes[i];
-			const double  ms = r[motion.massAt], ml = rl[W::massAt];
-			const bool    wet = ml > smallestLiquidShare * ms;
-			if (!(ms > 0.0)) {
-				for (int a = 0; a < D; ++a) {
-					motion.solved[i][a] = motion.solved[i][motion.velocityAt + a] = water.solved[i][a] = water.flux[i][a]
-					        = water.start[i][a]                                                        = 0.0;
-					if constexpr (Damped) damping_[i][a] = 0.0; // not that of the ground which was here before
-				}
-				continue;
-			}
-			const NodeDrag coupled(ms, wet ? ml : ms, rl[W::dragAt], dt);
-			const double   perSolid = 1.0 / ms, perLiquid = wet ? 1.0 / ml : 0.0, perBoth = 1.0 / (ms + ml);
+	range.eachNode([&](int i) {
+		const double* r  = motion.nodes[i];
+		const double* rl = water.nodes[i];
+		const double  ms = r[motion.massAt], ml = rl[W::massAt];
+		const bool    wet = ml > smallestLiquidShare * ms;
+		if (!(ms > 0.0)) {
 			for (int a = 0; a < D; ++a) {
-				const double vs = r[motion.momentumAt + a] * perSolid;
-				const double vl = wet ? rl[W::momentumAt + a] * perLiquid : vs;
-				double       f  = r[motion.forceAt + a];
-				if constexpr (Damped) {
-					damping_[i][a] = dampingOf(alpha, f, vs);
-					f += damping_[i][a];
-				}
-				const PhaseAccelerations acc = wet ? coupled(vs, vl, f, water.force[i][a]) : PhaseAccelerations { f * perBoth, f * perBoth };
-				const double             vs1 = vs + dt * acc.solid, vl1 = vl + dt * acc.liquid;
-				motion.solved[i][motion.velocityAt + a] = vs1;
-				motion.solved[i][a]                     = chi * dt * acc.solid + (1.0 - chi) * vs1;
-				water.solved[i][a]                      = chiLiquid * dt * acc.liquid + (1.0 - chiLiquid) * vl1;
-				water.flux[i][a]                        = vl1;
-				water.start[i][a]                       = vl;
+				motion.solved[i][a] = motion.solved[i][motion.velocityAt + a] = water.solved[i][a] = water.flux[i][a] = water.start[i][a] = 0.0;
+				if constexpr (Damped) damping_[i][a] = 0.0; // not that of the ground which was here before
 			}
+			return;
+		}
+		const NodeDrag coupled(ms, wet ? ml : ms, rl[W::dragAt], dt);
+		const double   perSolid = 1.0 / ms, perLiquid = wet ? 1.0 / ml : 0.0, perBoth = 1.0 / (ms + ml);
+		for (int a = 0; a < D; ++a) {
+			const double vs = r[motion.momentumAt + a] * perSolid;
+			const double vl = wet ? rl[W::momentumAt + a] * perLiquid : vs;
+			double       f  = r[motion.forceAt + a];
+			if constexpr (Damped) {
+				damping_[i][a] = dampingOf(alpha, f, vs);
+				f += damping_[i][a];
+			}
+			const PhaseAccelerations acc = wet ? coupled(vs, vl, f, water.force[i][a]) : PhaseAccelerations { f * perBoth, f * perBoth };
+			const double             vs1 = vs + dt * acc.solid, vl1 = vl + dt * acc.liquid;
+			motion.solved[i][motion.velocityAt + a] = vs1;
+			motion.solved[i][a]                     = chi * dt * acc.solid + (1.0 - chi) * vs1;
+			water.solved[i][a]                      = chiLiquid * dt * acc.liquid + (1.0 - chiLiquid) * vl1;
+			water.flux[i][a]                        = vl1;
+			water.start[i][a]                       = vl;
 		}
 	});
 }
@@ -450,11 +443,9 @@ template <int D> void MomentumSolver<D>::unfold(const ActiveRange& range, SolidM
 
 template <int D> void MomentumSolver<D>::findFlux(const ActiveRange& range, const SolidMotion<D>& motion, PoreWater<D>& water) const
 {
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			for (int a = 0; a < D; ++a)
-				water.flux[i][a] = water.nodal[i][PoreWater<D>::Driving::liquidFraction]
-				        * (water.flux[i][a] - motion.solved[i][motion.velocityAt + a]);
+	range.eachNode([&](int i) {
+		for (int a = 0; a < D; ++a)
+			water.flux[i][a] = water.nodal[i][PoreWater<D>::Driving::liquidFraction] * (water.flux[i][a] - motion.solved[i][motion.velocityAt + a]);
 	});
 }
 
@@ -560,12 +551,10 @@ void MomentumSolver<D>::solve(
 template <int D>
 void MomentumSolver<D>::findResponse(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& response) const
 {
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			const double ms = motion.nodes[i][motion.massAt];
-			for (int a = 0; a < D; ++a)
-				response[i][a] = ms > 0.0 ? dt / (ms + water.nodes[i][PoreWater<D>::massAt]) : 0.0;
-		}
+	range.eachNode([&](int i) {
+		const double ms = motion.nodes[i][motion.massAt];
+		for (int a = 0; a < D; ++a)
+			response[i][a] = ms > 0.0 ? dt / (ms + water.nodes[i][PoreWater<D>::massAt]) : 0.0;
 	});
 	for (const int i : constraints_.constrainedNodes())
 		for (int a = 0; a < D && range.holds(i); ++a)
@@ -631,19 +620,17 @@ void MomentumSolver<D>::correct(
 		for (int a = 0; a < D && range.holds(i); ++a)
 			ledger.ofNode(i).impulse[a] -= dt * force[i][a];
 	foldMore(range, motion, force);
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			for (int a = 0; a < D; ++a)
-				change[i][a] *= force[i][a];
+	range.eachNode([&](int i) {
+		for (int a = 0; a < D; ++a)
+			change[i][a] *= force[i][a];
 	});
 	unfoldChanges(range, change);
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			for (int a = 0; a < D; ++a) {
-				motion.solved[i][a] += change[i][a];
-				motion.solved[i][motion.velocityAt + a] += change[i][a];
-				water.solved[i][a] += change[i][a];
-			}
+	range.eachNode([&](int i) {
+		for (int a = 0; a < D; ++a) {
+			motion.solved[i][a] += change[i][a];
+			motion.solved[i][motion.velocityAt + a] += change[i][a];
+			water.solved[i][a] += change[i][a];
+		}
 	});
 }
 

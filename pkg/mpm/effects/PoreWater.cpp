@@ -114,14 +114,12 @@ template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int f
 
 template <int D> void PoreWater<D>::finishPressure(const ActiveRange& range)
 {
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			Cell& cell = cells_[c];
-			if (!(cell.liquidMass > 0.0)) continue;
-			cell.pressure /= cell.liquidMass;
-			cell.driving = cell.pressure;
-			cell.height /= cell.liquidMass;
-		}
+	range.eachCell([&](int c) {
+		Cell& cell = cells_[c];
+		if (!(cell.liquidMass > 0.0)) return;
+		cell.pressure /= cell.liquidMass;
+		cell.driving = cell.pressure;
+		cell.height /= cell.liquidMass;
 	});
 }
 
@@ -162,13 +160,9 @@ void PoreWater<D>::findDrivingPressure(const Grid<D>& grid, const ActiveRange& r
 	Vec<D> weight; // of water between the middles of two cells
 	for (int a = 0; a < D; ++a)
 		weight[a] = liquidDensity * gravity[a] * grid.spacing();
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			freezing_[c].mobility = mobility(c, cells.cellVolume(c), liquidDensity);
-	});
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			if (cells_[c].liquidMass > 0.0) cells_[c].driving = thawedPressure(grid, range, c, weight);
+	range.eachCell([&](int c) { freezing_[c].mobility = mobility(c, cells.cellVolume(c), liquidDensity); });
+	range.eachCell([&](int c) {
+		if (cells_[c].liquidMass > 0.0) cells_[c].driving = thawedPressure(grid, range, c, weight);
 	});
 }
 
@@ -237,19 +231,17 @@ template <int D> void PoreWater<D>::map(const WeightBlock<D>& w, const CellMeans
 
 template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
 {
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			const double* r = nodes[i];
-			double*       n = nodal[i];
+	range.eachNode([&](int i) {
+		const double* r = nodes[i];
+		double*       n = nodal[i];
 
-			n[Driving::perLiquidMass]  = r[massAt] > 0.0 ? 1.0 / r[massAt] : 0.0;
-			n[Driving::pressure]       = r[massAt] > 0.0 ? r[pressureAt] / r[massAt] : 0.0;
-			n[Driving::liquidFraction] = r[volumeAt] > 0.0 ? r[liquidVolumeAt] / r[volumeAt] : 0.0;
-			for (int a = 0; a < D; ++a)
-				force[i][a] = 0.0;
-			for (int a = 0; a < exchangeSize; ++a)
-				exchange[i][a] = 0.0;
-		}
+		n[Driving::perLiquidMass]  = r[massAt] > 0.0 ? 1.0 / r[massAt] : 0.0;
+		n[Driving::pressure]       = r[massAt] > 0.0 ? r[pressureAt] / r[massAt] : 0.0;
+		n[Driving::liquidFraction] = r[volumeAt] > 0.0 ? r[liquidVolumeAt] / r[volumeAt] : 0.0;
+		for (int a = 0; a < D; ++a)
+			force[i][a] = 0.0;
+		for (int a = 0; a < exchangeSize; ++a)
+			exchange[i][a] = 0.0;
 	});
 }
 
@@ -265,25 +257,23 @@ void PoreWater<D>::addPotential(const Grid<D>& grid, const ActiveRange& range, c
 	const Vec<D> gravity = motion.settings->gravity;
 	const double square = dot<D>(gravity, gravity), falling = 1.0 - motion.settings->localDamping;
 	if (square == 0.0) return;
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			double*    r    = nodes[i];
-			const bool open = open_[i];
-			open_[i]        = 0;
-			if (!(r[massAt] > 0.0)) continue;
-			const double*            solid  = motion.nodes[i];
-			const double             mass   = solid[motion.massAt] + r[massAt];
-			const std::array<int, D> node   = grid.nodeOf(i);
-			double                   atNode = 0.0, held = 0.0;
-			for (int a = 0; a < D; ++a) {
-				atNode -= lifted_[a] * grid.nodePosition(a, node[a]);
-				held += heldAxes[i] >> a & 1 ? mass * gravity[a] * gravity[a] : -solid[motion.forceAt + a] * gravity[a];
-			}
-			atNode *= r[massAt];
-			const double carried = open ? 0.0 : 1.0 - falling * (1.0 - std::clamp(held / (mass * square), 0.0, 1.0));
-			r[potentialAt]       = atNode + carried * (r[potentialAt] - atNode);
-			nodal[i][Driving::pressure] += r[potentialAt] * nodal[i][Driving::perLiquidMass];
+	range.eachNode([&](int i) {
+		double*    r    = nodes[i];
+		const bool open = open_[i];
+		open_[i]        = 0;
+		if (!(r[massAt] > 0.0)) return;
+		const double*            solid  = motion.nodes[i];
+		const double             mass   = solid[motion.massAt] + r[massAt];
+		const std::array<int, D> node   = grid.nodeOf(i);
+		double                   atNode = 0.0, held = 0.0;
+		for (int a = 0; a < D; ++a) {
+			atNode -= lifted_[a] * grid.nodePosition(a, node[a]);
+			held += heldAxes[i] >> a & 1 ? mass * gravity[a] * gravity[a] : -solid[motion.forceAt + a] * gravity[a];
 		}
+		atNode *= r[massAt];
+		const double carried = open ? 0.0 : 1.0 - falling * (1.0 - std::clamp(held / (mass * square), 0.0, 1.0));
+		r[potentialAt]       = atNode + carried * (r[potentialAt] - atNode);
+		nodal[i][Driving::pressure] += r[potentialAt] * nodal[i][Driving::perLiquidMass];
 	});
 }
 
@@ -291,10 +281,9 @@ template <int D> void PoreWater<D>::pressureForce(const WeightBlock<D>& w) { nod
 
 template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range)
 {
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i)
-			for (int a = 0; a < D; ++a)
-				force[i][a] = (force[i][a] - along_[a] * nodes[i][volumeAt]) * -nodal[i][Driving::liquidFraction];
+	range.eachNode([&](int i) {
+		for (int a = 0; a < D; ++a)
+			force[i][a] = (force[i][a] - along_[a] * nodes[i][volumeAt]) * -nodal[i][Driving::liquidFraction];
 	});
 }
 
@@ -379,11 +368,9 @@ template <int D> void PoreWater<D>::leave(int node, double mass, double heat, do
 
 template <int D> void PoreWater<D>::finishExchange(const ActiveRange& range)
 {
-	range.overNodes([&](int, int first, int last) {
-		for (int i = first; i < last; ++i) {
-			for (int a = 0; a < exchangeSize; ++a)
-				exchange[i][a] *= nodal[i][Driving::perLiquidMass];
-		}
+	range.eachNode([&](int i) {
+		for (int a = 0; a < exchangeSize; ++a)
+			exchange[i][a] *= nodal[i][Driving::perLiquidMass];
 	});
 }
 
@@ -433,22 +420,17 @@ template <int D>
 void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity)
 {
 	const double perSpacing = grid.faceArea() * grid.inverseSpacing();
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			freezing_[c].reached = reachedMobility(c, cells.cellVolume(c), dt, liquidDensity);
-	});
+	range.eachCell([&](int c) { freezing_[c].reached = reachedMobility(c, cells.cellVolume(c), dt, liquidDensity); });
 	for (int a = 0; a < D; ++a)
-		range.overCells([&](int first, int last) {
-			for (int c = first; c < last; ++c) {
-				Face& face     = faces_[a][c];
-				face           = {};
-				const int next = grid.neighbour(c, a, 1);
-				if (next < 0 || next >= range.lastCell) continue;
-				const double here = freezing_[c].reached, there = freezing_[next].reached;
-				if (!(here > 0.0 && there > 0.0)) continue;
-				face.conductance = perSpacing * 2.0 * here * there / (here + there);
-				face.flow = face.conductance * (drivingPressure(c) - drivingPressure(next) + liquidDensity * gravity[a] * grid.spacing());
-			}
+		range.eachCell([&](int c) {
+			Face& face     = faces_[a][c];
+			face           = {};
+			const int next = grid.neighbour(c, a, 1);
+			if (next < 0 || next >= range.lastCell) return;
+			const double here = freezing_[c].reached, there = freezing_[next].reached;
+			if (!(here > 0.0 && there > 0.0)) return;
+			face.conductance = perSpacing * 2.0 * here * there / (here + there);
+			face.flow        = face.conductance * (drivingPressure(c) - drivingPressure(next) + liquidDensity * gravity[a] * grid.spacing());
 		});
 }
 
@@ -470,30 +452,27 @@ template <int D> void PoreWater<D>::stabiliseCells(const StepContext<D>& step, c
 	const double sides      = 2.0 * (grid.isSlice() ? 2 : D);
 	const auto   inRange    = [&](int c) { return c >= range.firstCell && c < range.lastCell; };
 	const auto   compliance = [&](int c) { return cells_[c].liquidMass / (liquidDensity * settings->state.liquidBulkModulus); };
-	range.overCells([&](int firstCell, int lastCell) {
-		for (int c = firstCell; c < lastCell; ++c) {
-			Cell& cell = cells_[c];
-			if (!(cell.liquidMass > 0.0)) continue;
-			for (int a = 0; a < D; ++a)
-				for (const bool ahead : { false, true }) {
-					const int from = ahead ? c : grid.neighbour(c, a, -1), to = ahead ? grid.neighbour(c, a, 1) : c;
-					if (!inRange(from) || !inRange(to)) continue;
-					const int    before = grid.neighbour(from, a, -1), beyond = grid.neighbour(to, a, 1);
-					const double checkerboard = checkerboardFlux(
-					        faces_[a].data(), from, inRange(before) ? before : -1, inRange(beyond) ? to : -1);
-					if (checkerboard == 0.0) continue;
-					const double least = std::min(compliance(from), compliance(to));
-					const double mass  = liquidDensity * dt * checkerboard / (1.0 + 2.0 * sides * dt * faces_[a][from].conductance / least);
-					const int    donor = mass > 0.0 ? from : to;
-					const double gained = ahead ? -mass : mass, share = gained / cells_[donor].liquidMass;
-					cell.exchange[Gathered::water] += gained;
-					if (liquid.enthalpy)
-						cell.exchange[Gathered::enthalpy] += gained
-						        * liquid.enthalpy->liquidEnthalpy(freezing_[donor].warmth / cells_[donor].liquidMass);
-					for (int i = 0; i < D; ++i)
-						cell.exchange[Gathered::momentum + i] += share * freezing_[donor].carried[i];
-				}
-		}
+	range.eachCell([&](int c) {
+		Cell& cell = cells_[c];
+		if (!(cell.liquidMass > 0.0)) return;
+		for (int a = 0; a < D; ++a)
+			for (const bool ahead : { false, true }) {
+				const int from = ahead ? c : grid.neighbour(c, a, -1), to = ahead ? grid.neighbour(c, a, 1) : c;
+				if (!inRange(from) || !inRange(to)) continue;
+				const int    before = grid.neighbour(from, a, -1), beyond = grid.neighbour(to, a, 1);
+				const double checkerboard = checkerboardFlux(faces_[a].data(), from, inRange(before) ? before : -1, inRange(beyond) ? to : -1);
+				if (checkerboard == 0.0) continue;
+				const double least  = std::min(compliance(from), compliance(to));
+				const double mass   = liquidDensity * dt * checkerboard / (1.0 + 2.0 * sides * dt * faces_[a][from].conductance / least);
+				const int    donor  = mass > 0.0 ? from : to;
+				const double gained = ahead ? -mass : mass, share = gained / cells_[donor].liquidMass;
+				cell.exchange[Gathered::water] += gained;
+				if (liquid.enthalpy)
+					cell.exchange[Gathered::enthalpy] += gained
+					        * liquid.enthalpy->liquidEnthalpy(freezing_[donor].warmth / cells_[donor].liquidMass);
+				for (int i = 0; i < D; ++i)
+					cell.exchange[Gathered::momentum + i] += share * freezing_[donor].carried[i];
+			}
 	});
 }
 
@@ -546,15 +525,13 @@ template <int D> void PoreWater<D>::limitOutflow(const ActiveRange& range, doubl
 
 template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step, double liquidDensity)
 {
-	step.owned.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			Cell& cell = cells_[c];
-			if (!(cell.liquidMass > 0.0)) continue;
-			const double perMass = 1.0 / cell.liquidMass;
-			for (int i = 0; i < exchangeSize; ++i)
-				cell.exchange[i] *= perMass;
-			cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
-		}
+	step.owned.eachCell([&](int c) {
+		Cell& cell = cells_[c];
+		if (!(cell.liquidMass > 0.0)) return;
+		const double perMass = 1.0 / cell.liquidMass;
+		for (int i = 0; i < exchangeSize; ++i)
+			cell.exchange[i] *= perMass;
+		cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 	});
 	limitOutflow(step.owned, liquidDensity, step.ledger);
 }
@@ -591,20 +568,18 @@ Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, dou
 /// Pressure of a cell, eq. (7.5).
 template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy)
 {
-	range.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c) {
-			Cell& cell = cells_[c];
-			if (cell.compliance > 0.0) cell.fillPressure = std::max(cell.excess / cell.compliance, settings->state.cavitationPressure);
-			if (freezing_.empty() || !(freezing_[c].compliance > 0.0)) continue;
-			FreezingCell& more         = freezing_[c];
-			const double  perMass      = cell.liquidMass > 0.0 ? 1.0 / cell.liquidMass : 0.0;
-			const double  atCavitation = more.excess - more.compliance * settings->state.cavitationPressure;
-			more.level                 = atCavitation >= 0.0 ? more.excess / more.compliance : settings->state.cavitationPressure;
-			more.filled                = atCavitation >= 0.0 ? 1.0 : more.surplus / (more.surplus - atCavitation);
-			more.handed                = enthalpy ? enthalpy->liquidEnthalpy(more.warmth * perMass) : 0.0;
-			for (int i = 0; i < D; ++i)
-				more.velocity[i] = more.carried[i] * perMass;
-		}
+	range.eachCell([&](int c) {
+		Cell& cell = cells_[c];
+		if (cell.compliance > 0.0) cell.fillPressure = std::max(cell.excess / cell.compliance, settings->state.cavitationPressure);
+		if (freezing_.empty() || !(freezing_[c].compliance > 0.0)) return;
+		FreezingCell& more         = freezing_[c];
+		const double  perMass      = cell.liquidMass > 0.0 ? 1.0 / cell.liquidMass : 0.0;
+		const double  atCavitation = more.excess - more.compliance * settings->state.cavitationPressure;
+		more.level                 = atCavitation >= 0.0 ? more.excess / more.compliance : settings->state.cavitationPressure;
+		more.filled                = atCavitation >= 0.0 ? 1.0 : more.surplus / (more.surplus - atCavitation);
+		more.handed                = enthalpy ? enthalpy->liquidEnthalpy(more.warmth * perMass) : 0.0;
+		for (int i = 0; i < D; ++i)
+			more.velocity[i] = more.carried[i] * perMass;
 	});
 }
 

@@ -157,10 +157,7 @@ template <int D> void PressureMultigrid<D>::gather(const StepContext<D>& step, v
 
 template <int D> void PressureMultigrid<D>::build(const StepContext<D>& step)
 {
-	step.owned.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			inverse_[c] = inverseDiagonal(matrix_.data(), stride_, c);
-	});
+	step.owned.eachCell([&](int c) { inverse_[c] = inverseDiagonal(matrix_.data(), stride_, c); });
 	Level&    coarse  = levels_[0];
 	const int ofStrip = Strips::rows / 2 * coarse.stride[slowAxis_];
 	overOwnStrips(step, [&](int strip, int first, int last) {
@@ -207,10 +204,7 @@ template <int D> void PressureMultigrid<D>::cycle(const StepContext<D>& step, st
 template <int D> void PressureMultigrid<D>::solve(const StepContext<D>& step, const PagedArray<double>& r, PagedArray<double>& z)
 {
 	const auto left = [&](int c) { return r[c] - matrix_[c].storage * smoothed_[c] - flow(matrix_.data(), stride_, smoothed_.data(), c); };
-	step.owned.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			smoothed_[c] = damping * inverse_[c] * r[c];
-	});
+	step.owned.eachCell([&](int c) { smoothed_[c] = damping * inverse_[c] * r[c]; });
 	share(step, smoothed_);
 	Level&    coarse  = levels_[0];
 	const int ofStrip = Strips::rows / 2 * coarse.stride[slowAxis_];
@@ -221,14 +215,10 @@ template <int D> void PressureMultigrid<D>::solve(const StepContext<D>& step, co
 	});
 	gather(step, coarse.r.data(), sizeof(double));
 	cycle(step, 0);
-	step.halo.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			if (matrix_[c].storage > 0.0) smoothed_[c] += coarse.z[parent_[c]];
+	step.halo.eachCell([&](int c) {
+		if (matrix_[c].storage > 0.0) smoothed_[c] += coarse.z[parent_[c]];
 	});
-	step.owned.overCells([&](int first, int last) {
-		for (int c = first; c < last; ++c)
-			z[c] = inverse_[c] > 0.0 ? smoothed_[c] + damping * inverse_[c] * left(c) : 0.0;
-	});
+	step.owned.eachCell([&](int c) { z[c] = inverse_[c] > 0.0 ? smoothed_[c] + damping * inverse_[c] * left(c) : 0.0; });
 }
 
 TALIK_IN_PLANE_AND_SPACE(PressureMultigrid);

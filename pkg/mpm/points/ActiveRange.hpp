@@ -67,6 +67,24 @@ struct ActiveRange {
 		});
 	}
 
+	/// work(cell) for all cells of the range.
+	template <class Work> void eachCell(Work&& work) const
+	{
+		overCells([&](int first, int last) {
+			for (int c = first; c < last; ++c)
+				work(c);
+		});
+	}
+
+	/// work(node) for all nodes of the range.
+	template <class Work> void eachNode(Work&& work) const
+	{
+		overNodes([&](int, int first, int last) {
+			for (int i = first; i < last; ++i)
+				work(i);
+		});
+	}
+
 private:
 	int threads() const { return parallel ? ThreadPool::threads() : 1; }
 };
