@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Infinite slopes at the defaults, as columns of one cell: which stand, which slide, and how fast, over the factor of safety by hand.
 
-yade -n -x infinite_slopes.py FOLDER [dry|explicit|implicit|thaw]...   some of the cases; default: all
+yade -n -x infinite_slopes.py FOLDER [dry|explicit|implicit|thaw|samples]...   some of the cases; default: all
 
 A row of FOLDER/infinite_slopes.csv for each column, and a picture of them.
 """
@@ -19,8 +19,19 @@ from matplotlib import pyplot
 
 import numpy as np
 import talik
+from talik.studies import calibrate
 from yade import O
-from yade.wrapper import DrainedBoundary, FreezingCurve, GroundMaterial, HeatTransfer, MohrCoulombSkeleton, MpmEngine, PoreWater, SurfaceTemperature
+from yade.wrapper import (
+	DrainedBoundary,
+	FreezingCurve,
+	GroundMaterial,
+	HeatTransfer,
+	MohrCoulombSkeleton,
+	MpmEngine,
+	PoreWater,
+	RveSkeleton,
+	SurfaceTemperature,
+)
 
 gravity, porosity, depth = 9.81, 0.4, 2.0
 dryDensity, liquidDensity = 0.6 * 2650.0, 1000.0
@@ -29,6 +40,7 @@ stands, slides = 1.1, 0.9  # factors of safety from which on a column has to sta
 largestPath = 5e-3  # of a column that stands [m]
 largestError = 0.1  # of the acceleration of one that slides [-]
 duration = 2.0  # [s of motion]
+tilting = 1.0  # time in which a column of samples is tilted [s]
 warm, thawed = 6.0, 1.0  # temperature of the surface of a column that thaws [degC], and how deep it thaws [m]
 motionPerDay = 86400 / 1e6  # [s]
 
@@ -101,8 +113,56 @@ def column(case):
 	return mpm
 
 
+def packedSample():
+	"""Of 100 grains, with its friction in steady simple shear at the pressures of the column."""
+	if not known:
+		sample = talik.rve.pack(talik.rve.prepare(grains=100))
+		known.append((sample, calibrate.thawedFriction(sample)))
+	return known[0]
+
+
+known = []
+
+
+def columnOfSamples(case):
+	"""Level, with the weight on each sample: (ground, gravity along the slope). The friction is that of the sample, the angle follows from it."""
+	sample, _ = packedSample()
+	mpm = MpmEngine(gridSpacing=case["spacing"], skeleton=RveSkeleton(samples=[sample], maxInertialNumber=case["inertial"]))
+	talik.slope.infiniteColumn(mpm, case["angle"], {"soil": dict(thickness=depth, porosity=porosity)}, pointsPerCell=case["points"])
+	talik.slope.settle(mpm, talik.geometry.rectangle(0, 0, case["spacing"], depth))
+	along, across = mpm.gravity
+	mpm.gravity = (0, across)
+	return mpm, along
+
+
+def judgedOfSamples(case):
+	"""As judged(), of a column that is tilted within a second; its acceleration is that of the two seconds that follow."""
+	O.reset()
+	mpm, along = columnOfSamples(case)
+	O.engines = [mpm]
+	O.step()
+	upper, across = mpm.field("position")[:, 1] > 0.5 * depth, mpm.gravity[1]
+	while O.time < tilting:
+		mpm.gravity = (along * min(1.0, O.time / tilting), across)
+		O.run(20, True)
+	mpm.gravity = (along, across)
+
+	def now():
+		return mpm.field("displacement")[upper, 0].mean(), mpm.field("velocity")[upper, 0].mean()
+
+	start, began = now(), O.time
+	talik.runUntil(began + duration)
+	path, faster = (after - before for after, before in zip(now(), start))
+	due = along * (1 - case["factor"])
+	ratio = faster / (due * (O.time - began)) if due > 0 else math.nan
+	right = (path < largestPath) == (case["factor"] > 1)
+	return {**case, "path": path, "stood": int(path < largestPath), "ratio": ratio, "right": int(right)}
+
+
 def judged(case):
 	"""The case with what came of it: path of the upper half of what is thawed [m], its acceleration over that which is due, and whether it is right."""
+	if case["water"] == "samples":
+		return judgedOfSamples(case)
 	O.reset()
 	mpm = column(case)
 	O.engines = [mpm]
@@ -127,11 +187,11 @@ def judged(case):
 	return {**case, "path": path() - start, "stood": int(path() - start < allowed), "ratio": ratio, "right": int(right)}
 
 
-def cases(kinds=("dry", "explicit", "implicit", "thaw"), everyDay=False):
+def cases(kinds=("dry", "explicit", "implicit", "thaw", "samples"), everyDay=False):
 	"""All that are asked for; everyDay: a few of them. Saturated slopes are no steeper than 25 degrees: by hand steeper ones need tension."""
 	factors = (0.8, 0.9, 1.1, 1.25) if everyDay else (0.7, 0.8, 0.9, 1.1, 1.25, 1.6, 2.5)
 	sizes = ((0.25, 4),) if everyDay else ((0.25, 1), (0.25, 4), (0.125, 1), (0.125, 4))
-	for kind, (spacing, points) in itertools.product([kind for kind in kinds if kind != "thaw"], sizes):
+	for kind, (spacing, points) in itertools.product([kind for kind in kinds if kind not in ("thaw", "samples")], sizes):
 		for angle, factor in itertools.product((15,) if everyDay else (5, 15, 25, 35) if kind == "dry" else (5, 15, 25), factors):
 			yield dict(water=kind, spacing=spacing, points=points, angle=angle, factor=factor)
 	if "thaw" in kinds:
@@ -142,26 +202,37 @@ def cases(kinds=("dry", "explicit", "implicit", "thaw"), everyDay=False):
 			if points == 1 or R == 0:
 				# where pore pressure bears more than a third of the weight, 15 degrees need tension
 				yield dict(water=water, spacing=spacing, points=points, angle=15 if R < 0.5 else 5, factor=factor, R=R, thawStrain=strain)
+	if "samples" in kinds:
+		# the default inertial number, and that at which friction is measured
+		for inertial, factor in itertools.product((5e-3, 1e-3), factors[:-1]):
+			angle = math.degrees(math.atan(packedSample()[1] / factor))
+			yield dict(water="samples", spacing=0.25, points=1, angle=angle, factor=factor, inertial=inertial)
 
 
 def told(row):
-	words = " ".join(f"{key} {value}" for key, value in row.items() if key not in ("path", "stood", "ratio", "right"))
+	words = " ".join(
+		f"{key} {value:g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items() if key not in ("path", "stood", "ratio", "right")
+	)
 	ratio = "" if math.isnan(row["ratio"]) else f", acceleration over that which is due {row['ratio']:.3f}"
 	return f"{words}: path {1e3 * row['path']:.2f} mm{ratio}{'' if row['right'] else '  WRONG'}"
 
 
+axesOf = dict(thaw="thaw consolidation ratio R", samples="largest inertial number of the grains")
+
+
 def draw(rows, file):
-	kinds = [kind for kind in ("dry", "explicit", "implicit", "thaw") if any(kindOf(row) == kind for row in rows)]
+	kinds = [kind for kind in ("dry", "explicit", "implicit", "thaw", "samples") if any(kindOf(row) == kind for row in rows)]
 	titles = {
 		"dry": "dry",
 		"explicit": "saturated, explicit pressure",
 		"implicit": "saturated, implicit pressure",
 		"thaw": "thaws from its surface,\n15°, from R = 0.5 on 5°",
+		"samples": "dry, samples of 100 grains",
 	}
 	figure, all_ = pyplot.subplots(1, len(kinds), figsize=(4 * len(kinds), 3.8), layout="constrained", sharey=True, squeeze=False)
 	for axes, kind in zip(all_[0], kinds):
 		own = [row for row in rows if kindOf(row) == kind]
-		over = "R" if kind == "thaw" else "angle"
+		over = dict(thaw="R", samples="inertial").get(kind, "angle")
 		groups, places = sorted({variant(row) for row in own}), sorted({row[over] for row in own})
 		step = 0.7 / len(groups)
 		axes.set_xticks(range(len(places)), [f"{place:g}" for place in places])
@@ -173,7 +244,7 @@ def draw(rows, file):
 			if not row["right"]:
 				axes.plot(x, row["factor"], "x", color="black", markersize=7)
 		wrong = sum(not row["right"] for row in own)
-		axes.set(title=f"{titles[kind]}\n{len(own) - wrong} of {len(own)} right", xlabel="thaw consolidation ratio R" if kind == "thaw" else "angle [°]")
+		axes.set(title=f"{titles[kind]}\n{len(own) - wrong} of {len(own)} right", xlabel=axesOf.get(kind, "angle [°]"))
 	all_[0, 0].set_ylabel("factor of safety by hand")
 	for marker, colour, words in (("o", "tab:green", "stands"), ("v", "tab:orange", "slides"), ("x", "black", "not as by hand")):
 		all_[0, 0].plot([], [], marker, color=colour, markersize=5, label=words)
@@ -192,7 +263,7 @@ def variant(row):
 def main(folder, *kinds):
 	rows = []
 	Path(folder).mkdir(parents=True, exist_ok=True)
-	for case in cases(kinds or ("dry", "explicit", "implicit", "thaw")):
+	for case in cases(kinds or ("dry", "explicit", "implicit", "thaw", "samples")):
 		rows.append(judged(case))
 		print(told(rows[-1]), flush=True)
 	with Path(folder, "infinite_slopes.csv").open("w", newline="") as file:

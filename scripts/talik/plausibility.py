@@ -165,6 +165,20 @@ def stressOfPoints(ground):
 	yield from _inKilopascal("addPoints: pressure", abs(ground.points["pressure"]).max(initial=0), 200, ground.mpm.water)
 
 
+def stressUnderInclinedGravity(ground):
+	"""The weight of a slope along the grid is borne by shear."""
+	gravity, stress = list(ground.mpm.gravity), ground.points["stress"]
+	if ground.dimension != 2 or len(gravity) != 2 or not ground.mpm.motion or not abs(gravity[0]) > 1e-3 * abs(gravity[1]):
+		return
+	if ground.count and np.isfinite(stress).all() and (stress[:, 1] < 0).any() and not stress[:, 3].any():
+		angle = math.degrees(math.atan2(abs(gravity[0]), abs(gravity[1])))
+		yield (
+			f"MpmEngine.gravity is inclined by {angle:.3g} degrees to the grid, and the stress of the points has no shear, so that the ground starts out "
+			"of balance (lateralRatio is for level ground): talik.slope.infiniteColumn makes a slope that is in balance.",
+			False,
+		)
+
+
 def _inKilopascal(name, value, least, asked):
 	if asked and 0 < value < least:
 		yield f"{name} is {value:.4g} Pa at most: was {value * 1e3:.4g} Pa (kPa) meant?", False
@@ -199,12 +213,16 @@ def loadsAndRain(ground):
 			flux = _largest(boundary.flux, boundary.values)
 			if flux > 0.1:
 				yield f"WaterFlux.flux is {flux:.4g} m/s: was {flux / 1e3 / 3600:.4g} m/s ({flux:.4g} mm per hour) meant?", False
-			elif flux > 0 and boundary.region == "surface" and ground.mpm.freezing:
+			elif flux > 0 and boundary.region == "surface" and (ground.mpm.freezing or _isFullAndClosed(ground)):
 				yield (
 					"WaterFlux on the surface: rain does not run off here. What frozen or full ground cannot take is pressed into it and lifts it: "
 					"give DrainedBoundary(region='surface') while it takes none.",
 					False,
 				)
+
+
+def _isFullAndClosed(ground):
+	return not (ground.points["poreFill"] < 1).any() and not any(isinstance(boundary, wrapper.DrainedBoundary) for boundary in ground.boundaries)
 
 
 def ponds(ground):
@@ -331,6 +349,7 @@ looks = (
 	gravityBeside,
 	outOfRange,
 	stressOfPoints,
+	stressUnderInclinedGravity,
 	unused,
 	anglesInRadians,
 	conductivityOfWater,

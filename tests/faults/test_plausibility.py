@@ -129,6 +129,16 @@ implausible = {
 		("rain does not run off", "lifts it", "DrainedBoundary"),
 		False,
 	),
+	"rain on full ground that is closed": (
+		lambda: wet(boundaries=[wrapper.WaterFlux(region="surface", flux=1e-7)]),
+		("rain does not run off", "lifts it", "DrainedBoundary"),
+		False,
+	),
+	"level stress under inclined gravity": (
+		lambda: ground(gravity=(3, -9.3), points={"stress": (-2e4, -4e4, -2e4, 0)}),
+		("inclined by 17.9 degrees", "no shear", "infiniteColumn"),
+		False,
+	),
 	"rain in mm/h": (lambda: wet(boundaries=[wrapper.WaterFlux(region="surface", flux=5)]), ("flux is 5", "1.389e-06"), False),
 }
 
@@ -176,6 +186,10 @@ plausible = {
 	),
 	"a calendar that follows the motion, with seepage": lambda: wet(heat=wrapper.HeatTransfer(thermalTimeScale=1e5, followsMotion=True)),
 	"a load that comes in seconds": lambda: ground(boundaries=[wrapper.SurfaceLoad(region="surface", times=[0, 0.1], values=[0, 2e4])]),
+	"rain on full ground that drains": lambda: wet(
+		boundaries=[wrapper.WaterFlux(region="surface", flux=1e-7), wrapper.DrainedBoundary(region="bottom")]
+	),
+	"a slope along the grid with its shear": lambda: ground(gravity=(3, -9.3), points={"stress": (-2e4, -4e4, -2e4, 1e4)}),
 	"compressed": lambda: ground(points={"stress": (-2e4, -4e4, -3e4, 0)}),
 }
 

@@ -23,3 +23,10 @@ def test_slopes_that_thaw_stand_and_slide_as_the_pore_pressure_of_morgenstern_an
 	for row in rows:
 		print(infinite_slopes.told(row), "| reference: infinite slope by hand, McRoberts & Morgenstern (1974) | tolerance: 5 mm")
 	assert all(row["right"] for row in rows)
+
+
+def test_slopes_of_samples_stand_and_slide_by_their_friction_in_simple_shear_slow():
+	rows = [infinite_slopes.judged(case) for case in infinite_slopes.cases(["samples"])]
+	for row in rows:
+		print(infinite_slopes.told(row), "| reference: infinite slope with the friction of the same sample | tolerance: 5 mm in two seconds")
+	assert all(row["right"] for row in rows)

@@ -155,30 +155,46 @@ namespace {
 		c.impulse        = c.together ? tie : -in.dt * c.tension;
 	}
 
-	/// Normal force between the sides that grains carry [N], eq. (20.2b). One node alone tells little of what water bears: those around it do together.
-	template <int D> double effectiveReaction(const In<D>& in, const std::vector<ContactNode<D>>& contacts, int slot)
+	/// The jump along the front [m/s].
+	template <int D> Vec<D> slipOf(const ContactNode<D>& c)
 	{
-		const double reaction = contacts[slot].reaction;
-		if (!in.water) return reaction;
-		double buoyancy = 0.0, around = 0.0;
+		const double opening = dot<D>(c.jump, c.normal);
+		Vec<D>       slip    = c.jump;
+		for (int i = 0; i < D; ++i)
+			slip[i] -= opening * c.normal[i];
+		return slip;
+	}
+
+	/// What the nodes around bear together, eqs. (20.2a) and (20.2b): one node alone tells little of what water bears, and on a front that is inclined to
+	/// the grid it has the traction of a step of the front.
+	template <int D> void lookAround(const In<D>& in, std::vector<ContactNode<D>>& contacts, int slot)
+	{
+		double cohesion = 0.0, friction = 0.0, reaction = 0.0, buoyancy = 0.0;
+		Vec<D> asked {};
 		in.nodes.overBeside(in.nodes.node(slot), [&](int other) {
-			if (!contacts[other].meets) return;
-			buoyancy += contacts[other].buoyancy;
-			around += contacts[other].reaction;
+			const ContactNode<D>& c = contacts[other];
+			if (!c.meets) return;
+			reaction += c.reaction;
+			buoyancy += c.buoyancy;
+			if (!c.together || c.cohesion > R<D>::mostStated) return;
+			cohesion += c.cohesion * c.area;
+			friction += c.friction * c.reaction;
+			const Vec<D> slip = slipOf<D>(c);
+			for (int i = 0; i < D; ++i)
+				asked[i] += c.reducedMass * slip[i];
 		});
-		return around > 0.0 ? reaction * (1.0 - std::clamp(buoyancy / around, 0.0, 1.0)) : reaction;
+		ContactNode<D>& c = contacts[slot];
+		if (reaction > 0.0) c.carried = 1.0 - std::clamp(buoyancy / reaction, 0.0, 1.0);
+		c.rests = c.together && lengthOf<D>(asked) <= (cohesion + friction * c.carried) * in.dt;
 	}
 
 	/// The jump that friction and cohesion leave, eq. (20.2). Returns the work that the force between the sides takes up.
-	template <int D> double slide(const In<D>& in, double effective, ContactNode<D>& c)
+	template <int D> double slide(const In<D>& in, ContactNode<D>& c)
 	{
-		const double opening = dot<D>(c.jump, c.normal);
-		Vec<D>       slip;
-		for (int i = 0; i < D; ++i)
-			slip[i] = c.jump[i] - opening * c.normal[i];
+		const Vec<D> slip     = slipOf<D>(c);
 		const double speed    = lengthOf<D>(slip);
-		const double strength = c.together ? std::max(0.0, c.cohesion * c.area + c.friction * effective) * in.dt : 0.0;
-		const double held     = speed > 0.0 ? std::min(1.0, strength / (c.reducedMass * speed)) : 0.0;
+		const double strength = c.together ? std::max(0.0, c.cohesion * c.area + c.friction * c.carried * c.reaction) * in.dt : 0.0;
+		const double held     = speed > 0.0 && !c.rests ? std::min(1.0, strength / (c.reducedMass * speed)) : 1.0;
 		double       work     = 0.0;
 		for (int i = 0; i < D; ++i) {
 			const double impulse = c.impulse * c.normal[i] - held * c.reducedMass * slip[i];
@@ -259,9 +275,12 @@ template <int D> void FrontContact<D>::solve(const StepContext<D>& step, const I
 		press<D>(in, c);
 	});
 	overSlots([&](int slot) {
+		if (contacts_[slot].meets) lookAround<D>(in, contacts_, slot);
+	});
+	overSlots([&](int slot) {
 		ContactNode<D>& c = contacts_[slot];
 		if (!c.meets) return;
-		work[slot] = slide<D>(in, effectiveReaction<D>(in, contacts_, slot), c);
+		work[slot] = slide<D>(in, c);
 		correct<D>(in, c, in.nodes.node(slot), records.sums(slot), records.answer(slot));
 	});
 }

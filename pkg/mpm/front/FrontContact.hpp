@@ -29,6 +29,8 @@ template <int D> struct ContactNode {
 	bool                  together = false;  ///< the sides have one normal velocity
 	double                reaction = 0.0;    ///< normal force between the sides [N], positive in compression
 	double                impulse  = 0.0;    ///< along n, on the thawed side [N s]
+	double                carried  = 1.0;    ///< part of the normal force that grains carry [-]
+	bool                  rests    = false;  ///< the nodes around bear together what would make the sides slip
 };
 
 /// Contact of both sides at the front nodes, eqs. (20.1) to (20.2b): multi-field contact after Bardenhagen et al. (2000) with normals of
