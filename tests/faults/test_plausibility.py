@@ -186,9 +186,7 @@ plausible = {
 	),
 	"a calendar that follows the motion, with seepage": lambda: wet(heat=wrapper.HeatTransfer(thermalTimeScale=1e5, followsMotion=True)),
 	"a load that comes in seconds": lambda: ground(boundaries=[wrapper.SurfaceLoad(region="surface", times=[0, 0.1], values=[0, 2e4])]),
-	"rain on full ground that drains": lambda: wet(
-		boundaries=[wrapper.WaterFlux(region="surface", flux=1e-7), wrapper.DrainedBoundary(region="bottom")]
-	),
+	"rain on full ground that drains": lambda: wet(boundaries=[wrapper.WaterFlux(region="surface", flux=1e-7), wrapper.DrainedBoundary(region="bottom")]),
 	"a slope along the grid with its shear": lambda: ground(gravity=(3, -9.3), points={"stress": (-2e4, -4e4, -2e4, 1e4)}),
 	"compressed": lambda: ground(points={"stress": (-2e4, -4e4, -3e4, 0)}),
 }
