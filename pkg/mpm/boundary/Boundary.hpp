@@ -3,6 +3,7 @@
 
 #include <pkg/mpm/grid/Grid.hpp>
 
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
