@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/thm/Enthalpy.hpp>
-#include <pkg/thm/PermeabilityRanges.hpp>
 #include <pkg/thm/PoreWaterState.hpp>
 
 #include <algorithm>
@@ -74,27 +73,13 @@ double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, co
 
 // ---- permeability -------------------------------------------------------------------------------------------------------
 
-namespace {
-	bool inside(double value, double low, double high) { return value > low && value < high; }
-} // namespace
-
-void requireConductivity(double value, const std::string& attribute)
+void Permeability::validate(const std::string& owner, const std::string& nameOfConductivity) const
 {
-	requireSetting(inside(value, 0.0, 1e3), attribute, value, "must be positive, in m/s (sand: 1e-4)");
-}
-
-void requireReferencePorosity(double value, const std::string& attribute) { requireSetting(inside(value, 0.0, 1.0), attribute, value, "must lie in (0, 1)"); }
-
-void requireImpedance(double value, const std::string& attribute)
-{
-	requireSetting(value >= 0.0 && value < 100.0, attribute, value, "must lie in [0, 100), usually 4 to 10");
-}
-
-void Permeability::validate() const
-{
-	requireConductivity(referenceConductivity, "PoreWater.conductivity");
-	requireReferencePorosity(referencePorosity, "PoreWater.referencePorosity");
-	requireImpedance(impedance, "PoreWater.impedance");
+	const auto inside = [](double value, double low, double high) { return value > low && value < high; };
+	requireSetting(inside(referenceConductivity, 0.0, 1e3), owner + nameOfConductivity, referenceConductivity, "must be positive, in m/s (sand: 1e-4)");
+	requireSetting(inside(referencePorosity, 0.0, 1.0), owner + "referencePorosity", referencePorosity, "must lie in (0, 1)");
+	requireSetting(index == 0.0 || inside(index, 0.01, 100.0), owner + "permeabilityIndex", index, "must be 0 (Kozeny-Carman) or lie between 0.01 and 100");
+	requireSetting(impedance >= 0.0 && impedance < 100.0, owner + "impedance", impedance, "must lie in [0, 100), usually 4 to 10");
 	requireSetting(
 	        inside(hydraulicTimeScale, 1e-12, 1e12), "PoreWater.hydraulicTimeScale", hydraulicTimeScale, "must lie between 1e-12 and 1e12 (1: no scaling)");
 }

@@ -97,27 +97,29 @@ double undrainedModulus(const PressureCoefficients& c, double skeletonModulus);
 /// m_s = n_s rho_s + n_i rho_i, m_l = n_l rho_l. Without liquid, sqrt(M/m_s).
 double largestWaveSpeed(const MixtureProperties& m, const VolumeFractions& n, const PressureCoefficients& c, double oedometerModulus);
 
-/// Eq. (5.1): hydraulic conductivity k = f_H k_ref KC(n)/KC(n_ref) max(k_r(S_l), floor) [m/s], KC(n) = n^3/(1-n)^2 (Kozeny-Carman).
+/// Eq. (5.1): hydraulic conductivity k = f_H k_ref [KC(n)/KC(n_ref) or 10^((e - e_ref)/C_k)] max(k_r(S_l), floor) [m/s], KC(n) = n^3/(1-n)^2
+/// (Kozeny-Carman), e the void ratio.
 struct Permeability {
 	double referenceConductivity = 1e-4; ///< k_ref of thawed ground at referencePorosity [m/s], > 0 (Yu & Zhao: 1e-4)
 	double referencePorosity     = 0.4;  ///< n_ref [-], in (0,1)
+	double index                 = 0.0;  ///< C_k: void ratio over which k grows tenfold [-], >= 0; 0: Kozeny-Carman
 	double impedance             = 6.0;  ///< Omega [-], >= 0, usually 4 to 10
 	double hydraulicTimeScale    = 1.0;  ///< f_H multiplies k, as the thermal time scale multiplies conduction [-], 1e-12 to 1e12
 
 	static constexpr double floor = 1e-6; ///< smallest k_r [-]; keeps the drag bounded
 
-	/// Throws std::invalid_argument naming the attribute, its value and the valid range.
-	void validate() const;
+	/// Throws std::invalid_argument naming the attribute as its class in scripts calls it, its value and the valid range.
+	void validate(const std::string& owner = "PoreWater.", const std::string& nameOfConductivity = "conductivity") const;
 
-	/// KC(n)/KC(n_ref) [-], porosity in (0,1)
-	double porosityFactor(double porosity) const { return kozenyCarman(porosity) / kozenyCarman(referencePorosity); }
+	/// k over that at n_ref [-], porosity in (0,1)
+	double porosityFactor(double porosity) const
+	{
+		if (index > 0.0) return exponential(ln10 / index * (1.0 / (1.0 - porosity) - 1.0 / (1.0 - referencePorosity)));
+		return kozenyCarman(porosity) / kozenyCarman(referencePorosity);
+	}
 
 	/// k_r [-] in [floor, 1], eq. (5.2), liquidSaturation in [0,1]
-	double relative(double liquidSaturation) const
-	{
-		constexpr double ln10 = 2.302585092994045684;
-		return std::min(1.0, std::max(floor, exponential(-impedance * ln10 * (1.0 - liquidSaturation))));
-	}
+	double relative(double liquidSaturation) const { return std::min(1.0, std::max(floor, exponential(-impedance * ln10 * (1.0 - liquidSaturation)))); }
 
 	/// k [m/s] at the porosity and liquid saturation; without branches, for loops over points.
 	double conductivity(double porosity, double liquidSaturation) const
@@ -132,7 +134,8 @@ struct Permeability {
 	static double dragAt(double liquidMass, double liquidFraction, double conductivity) { return liquidMass * liquidFraction * gravity / conductivity; }
 
 private:
-	static double kozenyCarman(double n) { return n * n * n / ((1.0 - n) * (1.0 - n)); }
+	static constexpr double ln10 = 2.302585092994045684;
+	static double           kozenyCarman(double n) { return n * n * n / ((1.0 - n) * (1.0 - n)); }
 };
 
 } // namespace talik

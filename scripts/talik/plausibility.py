@@ -330,16 +330,14 @@ def heaveIsAbsent(ground):
 		)
 
 
-def segregationOfTheDefault(ground):
-	"""What the water that ice draws is computed from, if it is not measured."""
-	segregation, water = ground.mpm.segregation, ground.mpm.water
-	if not (segregation and water) or not math.isnan(segregation.segregationPotential):
-		return
-	if water.impedance == wrapper.PoreWater().impedance:
+def segregationComputed(ground):
+	"""Ice that draws water by no measured potential."""
+	segregation = ground.mpm.segregation
+	if segregation and math.isnan(segregation.segregationPotential):
 		yield (
-			"IceSegregation.segregationPotential is not given, so that frost heave follows from PoreWater.impedance, which is the default of "
-			f"{water.impedance:.4g}: a silt measured in the laboratory heaves three times too much with it, and its ice thaws back under constant cold. "
-			"Give a measured segregationPotential, or the impedance of the soil.",
+			"IceSegregation.segregationPotential is not given, so that frost heave is computed from freezing curve and conductivity. That is an upper bound: "
+			"each lens lies where it draws most, and a silt measured in the laboratory heaved a third to a half of it, with any PoreWater.impedance. Give a "
+			"measured segregationPotential; silts have 1e-10 to 4e-9 m2/(s K).",
 			False,
 		)
 
@@ -360,7 +358,7 @@ looks = (
 	tablesInDays,
 	tablesInSeconds,
 	heaveIsAbsent,
-	segregationOfTheDefault,
+	segregationComputed,
 	clock,
 )
 

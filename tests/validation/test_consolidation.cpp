@@ -13,7 +13,7 @@ using namespace talik::validation;
 
 namespace {
 
-constexpr double porosity = 0.4;
+constexpr double porosity = 0.4, day = 86400.0;
 
 struct ColumnScene {
 	double      height       = 1.0;
@@ -541,4 +541,125 @@ TEST(Consolidation, PressureBehindASlowThawFrontIsTheSteadierTheFinerTheGrid_slo
 {
 	expectSteadyPressure(0.2, 20, 0.17);
 	expectSteadyPressure(0.2, 40, 0.1);
+}
+
+namespace {
+
+/// The layer of Fox & Pu (2015) whose grains are as heavy as water: it loses 28 % of its height. It drains at both faces, so that its upper half
+/// stands for it. log10 of its effective stress and of its conductivity are linear in the void ratio.
+struct SoftLayer {
+	static constexpr double half = 5.0, before = 40e3, more = 400e3, year = 365.0 * day, f = 4e6; ///< [m, Pa, Pa, s, -]
+	double                  voidRatio = 2.7, reference = before;                                  ///< at the start; [Pa] of the curve at it
+	double                  h = 0.25;
+
+	static double porosityOf(double e) { return e / (1.0 + e); }
+	Ground<2>     ground() const
+	{
+		auto s = columnSettings(h, half + 2.0 * h);
+		standOnRollers(s);
+		s.materials.resize(1);
+		SoilMaterial& clay                = s.materials[0];
+		clay.mixture                      = withoutExpansion();
+		clay.mixture.solid.density        = clay.mixture.liquid.density;
+		clay.compression.compressionIndex = 1.0;
+		clay.compression.referenceStress  = reference;
+		Permeability& k                   = clay.permeability.emplace();
+		k.referenceConductivity           = 2e-8;
+		k.referencePorosity               = porosityOf(4.3);
+		k.index                           = 1.3;
+		s.motion.emplace().gravity        = { 0.0, -9.81 };
+		s.motion->localDamping            = 0.3;
+		s.heat.emplace().thermalTimeScale = f;
+		s.freezing                        = makeFreezingCurve();
+		s.water.emplace().implicit        = true;
+		s.water->state.liquidBulkModulus  = 2.2e9;
+		s.water->state.iceBulkModulus     = 8.8e9;
+		s.skeletons                       = { elasticOedometer(7e6) }; // C_r of 0.1 between 40 and 200 kPa
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface());
+		addBoundary<Traction<2>>(s, Region<2>::freeSurface(), before + more);
+		Ground<2> made(s);
+		fillBox(made, { 0.0, 0.0 }, { h, half }, [&](PointInput<2>& p) {
+			p.porosity    = porosityOf(voidRatio);
+			p.temperature = 10.0;
+			p.pressure    = more + 9810.0 * (half - p.position[1]);
+			p.stress[1]   = -before;
+		});
+		made.initialise();
+		return made;
+	}
+	double settlement(const Ground<2>& ground) const { return 2.0 * (half - sumOf(ground, "volume") / h); }
+	/// At a height, between the means of the cells: the void ratio of points lies where they are, pressure in the middle of a cell.
+	double at(const Ground<2>& ground, const std::vector<double>& values, double height, bool inMiddle) const
+	{
+		const auto          y = valuesOf(ground, "position", 1);
+		std::vector<double> sum(int(half / h) + 2), place(sum.size()), count(sum.size());
+		for (std::size_t p = 0; p < y.size(); ++p) {
+			const int cell = int(y[p] / h);
+			sum[cell] += values[p];
+			place[cell] += inMiddle ? cellMiddle(y[p], h) : y[p];
+			++count[cell];
+		}
+		std::vector<double> heights, means;
+		for (std::size_t k = 0; k < sum.size() && count[k] > 0.0; ++k) {
+			heights.push_back(place[k] / count[k]);
+			means.push_back(sum[k] / count[k]);
+		}
+		std::size_t k = 1;
+		while (k + 1 < heights.size() && heights[k] < height)
+			++k;
+		return means[k - 1] + std::max(0.0, height - heights[k - 1]) / (heights[k] - heights[k - 1]) * (means[k] - means[k - 1]);
+	}
+};
+
+/// tolerance: of void ratio and excess pressure at a depth, over their largest change.
+void expectPublishedLayer(double h, double tolerance)
+{
+	citing("Fox & Pu 2015, J. Geotech. Geoenviron. Eng. 141(11), normally consolidated, G_s = 1");
+	SoftLayer layer;
+	layer.h          = h;
+	Ground<2> ground = layer.ground();
+	for (const auto& [years, exact] : { std::pair { 0.5, 0.679 }, { 1.0, 0.961 }, { 2.0, 1.358 }, { 5.0, 2.113 } }) {
+		marchTo(ground, years * SoftLayer::year / SoftLayer::f);
+		char label[96];
+		std::snprintf(label, sizeof label, "layer that loses 28 %% of its height, h = %.3f m, year %.1f: settlement [m]", h, years);
+		expectRelative(label, layer.settlement(ground), exact, 0.03);
+		if (years < 2.0) continue;
+		std::vector<double> e = valuesOf(ground, "porosity"), u = valuesOf(ground, "pressure");
+		const auto          y   = valuesOf(ground, "position", 1);
+		const double        top = sumOf(ground, "volume") / h;
+		for (std::size_t p = 0; p < e.size(); ++p) {
+			e[p] = e[p] / (1.0 - e[p]);
+			u[p] = (u[p] - 9810.0 * (top - y[p])) / SoftLayer::more;
+		}
+		const bool   early = years == 2.0;
+		const double places[] { 0.0, 0.4, 0.8 }, ratios[] { early ? 2.571 : 2.090, early ? 2.383 : 1.997, early ? 1.912 : 1.779 };
+		const double pressures[] { early ? 0.966 : 0.693, early ? 0.892 : 0.596, early ? 0.487 : 0.267 };
+		for (int k = 0; k < 3; ++k) {
+			const int written = std::snprintf(
+			        label, sizeof label, "layer that loses 28 %% of its height, h = %.3f m, year %.0f, at %.1f of it: ", h, years,
+			        0.5 + 0.5 * places[k]);
+			expectScaled(std::string(label, written) + "void ratio", layer.at(ground, e, places[k] * top, false), ratios[k], 1.041, tolerance);
+			expectScaled(std::string(label, written) + "u over 400 kPa", layer.at(ground, u, places[k] * top, true), pressures[k], 1.0, tolerance);
+		}
+	}
+}
+
+} // namespace
+
+TEST(Consolidation, ALayerThatLosesAQuarterOfItsHeightFollowsThePublishedBenchmarkInTimeAndOverDepth) { expectPublishedLayer(0.25, 0.05); }
+TEST(Consolidation, ALayerThatLosesAQuarterOfItsHeightFollowsThePublishedBenchmarkOnFineCells_slow) { expectPublishedLayer(0.125, 0.03); }
+
+TEST(Consolidation, AnOverconsolidatedLayerFollowsThePublishedBenchmark_slow)
+{
+	citing("Fox & Pu 2015, J. Geotech. Geoenviron. Eng. 141(11), overconsolidated, G_s = 1");
+	SoftLayer layer;
+	layer.voidRatio  = 2.07;
+	layer.reference  = 40e3 * std::pow(10.0, 2.7 - 2.07); // where the virgin line has this void ratio
+	Ground<2> ground = layer.ground();
+	for (const auto& [years, exact] : { std::pair { 0.5, 0.323 }, { 1.0, 0.456 }, { 2.0, 0.636 }, { 5.0, 0.949 }, { 60.0, 1.340 } }) {
+		marchTo(ground, years * SoftLayer::year / SoftLayer::f);
+		char label[80];
+		std::snprintf(label, sizeof label, "overconsolidated layer, C_c and C_k, year %.1f: settlement [m]", years);
+		expectRelative(label, layer.settlement(ground), exact, 0.03);
+	}
 }

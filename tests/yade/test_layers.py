@@ -170,6 +170,12 @@ materials = {
 		0,
 		"GroundMaterial.hydraulicConductivity = -1: must be positive",
 	),
+	"permeability index without water": (dict(materials=[Material(permeabilityIndex=1.3)]), 0, "permeabilityIndex or impedance is set but"),
+	"permeability index below zero": (
+		dict(materials=[Material(permeabilityIndex=-1)], water=wrapper.PoreWater()),
+		0,
+		"GroundMaterial.permeabilityIndex = -1: must be 0 (Kozeny-Carman)",
+	),
 	"one name twice": (dict(materials=[Material(name="a"), Material(name="a")]), 0, "two materials named 'a'"),
 	"both lists": (dict(materials=[Material(), Material()], material=Material(solidDensity=2000)), 0, "are both set"),
 }

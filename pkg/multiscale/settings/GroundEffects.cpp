@@ -3,7 +3,6 @@
 #include <pkg/base/Errors.hpp>
 #include <pkg/multiscale/settings/GroundEffects.hpp>
 #include <pkg/python/ScriptValues.hpp>
-#include <pkg/thm/PermeabilityRanges.hpp>
 
 #include <tuple>
 
@@ -25,7 +24,12 @@ talik::MixtureProperties GroundMaterial::build() const
 bool GroundMaterial::isOwnSoil() const
 {
 	const bool settles = thawStrain != 0 || compressibility != 0 || compressionIndex != 0;
-	return freezing || segregation || settles || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
+	return freezing || segregation || settles || hasOwnSeepage();
+}
+
+bool GroundMaterial::hasOwnSeepage() const
+{
+	return permeabilityIndex != 0 || !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
 }
 
 talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const PoreWater* water) const
@@ -43,20 +47,17 @@ talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const Por
 		throw std::invalid_argument("GroundMaterial.freezing is set but MpmEngine.freezing is None: add freezing=FreezingCurve() or leave it out.");
 	if (freezing) s.freezing = freezing->build();
 	if (segregation) s.segregation = segregation->build();
-	const bool ownSeepage = !std::isnan(hydraulicConductivity) || !std::isnan(referencePorosity) || !std::isnan(impedance);
-	if (ownSeepage && !water)
-		throw std::invalid_argument("GroundMaterial.hydraulicConductivity, referencePorosity or impedance is set but MpmEngine.water is None: add "
-		                            "water=PoreWater() or leave it out.");
+	if (hasOwnSeepage() && !water)
+		throw std::invalid_argument(
+		        "GroundMaterial.hydraulicConductivity, referencePorosity, permeabilityIndex or impedance is set but MpmEngine.water is "
+		        "None: add water=PoreWater() or leave it out.");
 	if (!water) return s;
-	s.permeability  = water->build().permeability;
-	const auto take = [&](Real own, double& value, auto requireValid, const char* attribute) {
-		if (std::isnan(own)) return;
-		requireValid(own, string("GroundMaterial.") + attribute);
-		value = own;
-	};
-	take(hydraulicConductivity, s.permeability->referenceConductivity, talik::requireConductivity, "hydraulicConductivity");
-	take(referencePorosity, s.permeability->referencePorosity, talik::requireReferencePorosity, "referencePorosity");
-	take(impedance, s.permeability->impedance, talik::requireImpedance, "impedance");
+	talik::Permeability& k = s.permeability.emplace(water->build().permeability);
+	if (!std::isnan(hydraulicConductivity)) k.referenceConductivity = hydraulicConductivity;
+	if (!std::isnan(referencePorosity)) k.referencePorosity = referencePorosity;
+	if (!std::isnan(impedance)) k.impedance = impedance;
+	k.index = permeabilityIndex;
+	k.validate("GroundMaterial.", "hydraulicConductivity");
 	return s;
 }
 

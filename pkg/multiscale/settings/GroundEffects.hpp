@@ -128,6 +128,7 @@ public:
 	talik::SoilMaterial soil(const FreezingCurve* ofScene, const PoreWater* water) const;
 	/// True if it has a freezing curve, a conductivity, a thaw strain or a compression of its own.
 	bool isOwnSoil() const;
+	bool hasOwnSeepage() const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(GroundMaterial,Serializable,"Soil grains, ice and liquid water of saturated ground; defaults are those of Yu & Zhao, section 3. "
 			"Ice has a specific heat of 2060, water of 4200 J/(kg K). "
@@ -167,6 +168,8 @@ public:
 		((shared_ptr<FreezingCurve>,freezing,,,"Freezing curve of this material; None: MpmEngine.freezing, which must be there in either case."))
 		((Real,hydraulicConductivity,NaN,,"Saturated hydraulic conductivity of this material, thawed, at referencePorosity [m/s], > 0; NaN: PoreWater.conductivity."))
 		((Real,referencePorosity,NaN,,"Porosity at which hydraulicConductivity holds [-], in (0,1); NaN: PoreWater.referencePorosity."))
+		((Real,permeabilityIndex,0,,"C_k [-], 0.01 to 100: void ratio over which the hydraulic conductivity grows tenfold, log10(k) linear in the void ratio; 0: it "
+				"follows Kozeny-Carman. Clays have about half their void ratio (Tavenas et al. 1983). Beside compressionIndex for large settlement."))
 		((Real,impedance,NaN,,"Omega of this material [-], >= 0; NaN: PoreWater.impedance."))
 	);
 	// clang-format on
