@@ -8,7 +8,7 @@ Tsoil.C) and surveys of thaw depth (columns date and SITE_mean_cm, in lower case
 over silt, as the source has them. What is fitted, on the surveys of the first site in the year, is the factor by which peat conducts less than full pores
 would. Unburned ground tells nothing of the ground below its deepest thaw. Burned ground thaws into it, and there the permafrost of that tundra is rich
 in ice (Jones et al. 2015, Scientific Reports 5, 15865): it is computed with the porosity of the silt and with that of --ice-rich, which loses its excess
-ice as it thaws, so that the surface sinks and a probe finds less. Beside both Stefan's a sqrt(degree-days), fitted in the same way.
+ice as it thaws, so that what has thawed of it is thinner, and a probe finds less. Beside both Stefan's a sqrt(degree-days), fitted in the same way.
 Without files two summers are made up and nothing is compared.
 """
 
@@ -29,6 +29,7 @@ parser.add_argument("--preset", default="draft", choices=("test", "draft", "stan
 parser.add_argument("--data", help="CSV file: Date, fire, Tsoil.C")
 parser.add_argument("--surveys", help="CSV file: date, SITE_mean_cm")
 parser.add_argument("--fit-year", type=int, default=2009, help="year of the first site that is fitted")
+parser.add_argument("--factor", type=float, help="on what peat conducts; else it is fitted")
 parser.add_argument("--ice-rich", type=float, default=0.7, help="porosity of the ground below the deepest thaw of that year, excess ice included")
 parser.add_argument("--output", default="output/burned_tundra", help="folder for the results")
 options = parser.parse_args()
@@ -132,7 +133,7 @@ def computed(site, factor, richBelow=None, richPorosity=None, last=None):
 	order, volume = np.argsort(depth), mpm.field("volume")
 	depth, half = depth[order], 0.5 * volume[order] / spacing
 	strain = layers.thawStrain(richPorosity, silt["porosity"]) if richBelow else 0.0
-	found, sunk = [], 0.0
+	found = []
 	for day in range(len(table)):
 		O.step()
 		ice = mpm.field("iceSaturation")[order]
@@ -140,8 +141,7 @@ def computed(site, factor, richBelow=None, richPorosity=None, last=None):
 		k = frozen[0] if len(frozen) else len(depth) - 1
 		deepest = depth[k] - half[k] + 2 * half[k] * (1 - min(1.0, ice[k] / 0.8))
 		if day >= before:
-			sunk = max(sunk, strain * max(0.0, deepest - (richBelow or bottom)))
-			found.append(deepest - sunk if table[day] > 0 else 0.0)
+			found.append(deepest - strain * max(0.0, deepest - (richBelow or bottom)) if table[day] > 0 else 0.0)
 	return np.array(found)
 
 
@@ -151,8 +151,8 @@ def offBy(thaw, site, years):
 	return (np.mean(off), math.sqrt(np.mean(np.square(off)))) if off else (math.nan, math.nan)
 
 
-unburned, fitYear, factor = sites[0], options.fit_year, 1.0
-if options.data:
+unburned, fitYear, factor = sites[0], options.fit_year, options.factor or 1.0
+if options.data and not options.factor:
 	if not math.isfinite(offBy(np.zeros(len(series[unburned])), unburned, [fitYear])[0]):
 		raise SystemExit(f"--fit-year {fitYear}: {options.surveys} has no survey of {unburned} in that year")
 	last = (datetime.date(fitYear, 12, 31) - first).days + 1
@@ -176,9 +176,9 @@ for site in sites:
 fitted = [(math.sqrt(sums[unburned][dayOf(date)]), value - sensor) for date, value in measured[unburned].items() if int(date[:4]) == fitYear]
 slope = sum(x * y for x, y in fitted) / sum(x * x for x, _ in fitted) if fitted else 0.02
 for site in sites:
-	runs[site]["Stefan"] = sensor + slope * np.sqrt(sums[site])
+	runs[site]["Stefan"] = np.where(series[site] > 0, sensor + slope * np.sqrt(sums[site]), 0.0)
 
-dates = sorted(date for date in measured[unburned] if int(date[:4]) >= fitYear)
+dates = sorted(date for date in measured[unburned] if int(date[:4]) >= fitYear and dayOf(date) < max(map(len, series.values())))
 columns = [(site, name) for site in sites for name in runs[site]]
 print(
 	"| date | measured, " + unburned + " | " + " | ".join(f"{site}, {name}" for site, name in columns) + " |", "|---|" + "---|" * (1 + len(columns)), sep="\n"
@@ -199,9 +199,9 @@ styles = {"silt below": "-", "ice-rich below": "--", "Stefan": ":"}
 for site, colour in zip(sites, ("tab:blue", "tab:red", "tab:orange", "tab:green")):
 	for name, thaw in runs[site].items():
 		when = [first + datetime.timedelta(days=day) for day in range(len(thaw))]
-		axes.plot(when, 100 * thaw, styles[name], color=colour, linewidth=1, label=f"{site}, {name}")
+		axes.plot(when, np.where(thaw > 0, 100 * thaw, np.nan), styles[name], color=colour, linewidth=1, label=f"{site}, {name}")
 	axes.plot([datetime.date.fromisoformat(date) for date in measured[site]], [100 * value for value in measured[site].values()], "o", color=colour, ms=4)
-axes.set(ylabel="thaw depth [cm]", ylim=(0, None))
+axes.set(ylabel="thaw depth [cm]", ylim=(0, None), xlim=(first, first + datetime.timedelta(days=max(map(len, series.values())))))
 axes.invert_yaxis()
 axes.legend(frameon=False, fontsize=7, ncols=len(sites))
 plots.save(figure, folder / "burned_tundra.png", dpi=100)

@@ -29,11 +29,14 @@ parser.add_argument("--pipe", type=float, default=-4.0, help="temperature of the
 parser.add_argument("--segregation-potential", type=float, default=1e-9, help="of the soil without load [m^2/(s K)]")
 parser.add_argument("--porosity", type=float, default=0.4, help="of the soil [-]")
 parser.add_argument("--conductivity", type=float, default=2.0, help="thermal, of the grains [W/(m K)]")
+parser.add_argument("--diameter", type=float, default=1.2, help="of the pipe [m]")
+parser.add_argument("--years", type=float, help="that are computed")
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
 h, years = {"test": (0.25, 0.25), "draft": (0.25, 2), "standard": (0.125, 2)}[options.preset]  # grid spacing [m]
-width, depth, radius, axis = 6.0, 7.0, 0.6, 1.8  # of half the ground; of the pipe and the depth of its axis [m]
+years = options.years or years
+width, depth, radius, axis = 6.0, 7.0, options.diameter / 2, 1.8  # of half the ground; of the pipe and the depth of its axis [m]
 warm, cold, chilling = 4.0, options.pipe, 10.0  # of the ground and of the pipe, which it reaches after some days [degC]
 porosity, solidConductivity, conductivity = options.porosity, options.conductivity, 1e-8  # [W/(m K)], [m/s]; the water table is at the surface
 segregation = IceSegregation(segregationPotential=options.segregation_potential, pressureDecay=8e-6)  # a silt [m^2/(s K), 1/Pa]
@@ -126,6 +129,10 @@ print(f"{frozen[-1]:.2f} m of ground are frozen below the pipe, by hand {hands[0
 print(f"excess ice below the pipe {1e3 * ice[-1]:.0f} mm, by hand {1e3 * hands[0][1]:.0f} and {1e3 * hands[1][1]:.0f} mm")
 print(f"since day {thin:.0f} {1e3 * laterIce:.0f} mm, by hand {1e3 * later[0]:.0f} and {1e3 * later[1]:.0f} mm")
 print(f"the pipe has heaved by {1e3 * heave[-1]:.0f} mm")
+for first, last in ((0, 200), (200, 500), (500, 1095)):
+	if last <= day[-1] + 1e-6:
+		rate = (np.interp(last, day, heave) - np.interp(first, day, heave, left=0.0)) / (last - first)
+		print(f"from day {first} to {last} by {1e3 * rate:.3f} mm a day")
 
 figure = plots.figure(8, 11)
 panels = figure.subplots(3, 1, height_ratios=(2.4, 1, 1))

@@ -31,7 +31,7 @@ gravity, density = 9.81, 0.55 * 2650 + 0.45 * 1000
 @dataclass(frozen=True)
 class Assumptions:
 	angle: float = 7.0  # [degrees]
-	potential: float = 5e-10  # SP_0 [m2/(s K)]: what heave_test fits to Devon silt
+	potential: float = 5e-10  # SP_0 [m2/(s K)]: about what heave_test fits to Devon silt
 	excess: float = 0.2  # excess ice of the transient layer [-]
 	conductivity: float = 2e-7  # [m/s]
 	supply: float = 0.0  # 1: water at the pressure of a table at the surface seeps in at the base, too

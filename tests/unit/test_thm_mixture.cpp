@@ -78,7 +78,7 @@ TEST(Permeability, KozenyCarmanAndRelativeConductivityFollowTheirFormulas)
 	EXPECT_EQ(k.relative(1.0), 1.0);
 	k.hydraulicTimeScale = 50.0;
 	EXPECT_DOUBLE_EQ(k.conductivity(0.4, 1.0), 5e-3);
-	k.index = 1.3; // from a void ratio of 4.3 to 3
+	k.index             = 1.3; // from a void ratio of 4.3 to 3
 	k.referencePorosity = 4.3 / 5.3;
 	EXPECT_NEAR(k.porosityFactor(0.75), 0.1, 1e-14);
 }

@@ -174,7 +174,7 @@ materials = {
 	"permeability index below zero": (
 		dict(materials=[Material(permeabilityIndex=-1)], water=wrapper.PoreWater()),
 		0,
-		"GroundMaterial.permeabilityIndex = -1: must be 0 (Kozeny-Carman)",
+		"GroundMaterial.permeabilityIndex = -1: must be 0",
 	),
 	"one name twice": (dict(materials=[Material(name="a"), Material(name="a")]), 0, "two materials named 'a'"),
 	"both lists": (dict(materials=[Material(), Material()], material=Material(solidDensity=2000)), 0, "are both set"),
