@@ -330,6 +330,20 @@ def heaveIsAbsent(ground):
 		)
 
 
+def explicitPressureOfExcessIce(ground):
+	"""Ground that has just thawed bears nothing until its excess water has left."""
+	water = ground.mpm.water
+	if not (water and ground.mpm.freezing and ground.mpm.motion) or water.pressure != "explicit":
+		return
+	most = max((material.thawStrain for material in ground.materials), default=0)
+	if most > 0:
+		yield (
+			f"GroundMaterial.thawStrain is {most:.4g} and PoreWater.pressure 'explicit', with which excess water leaves too late: a slope that stands by hand "
+			"may flow as it thaws. Give PoreWater(pressure='implicit').",
+			False,
+		)
+
+
 def segregationComputed(ground):
 	"""Ice that draws water by no measured potential."""
 	segregation = ground.mpm.segregation
@@ -358,6 +372,7 @@ looks = (
 	tablesInDays,
 	tablesInSeconds,
 	heaveIsAbsent,
+	explicitPressureOfExcessIce,
 	segregationComputed,
 	clock,
 )

@@ -139,6 +139,11 @@ implausible = {
 		("inclined by 17.9 degrees", "no shear", "infiniteColumn"),
 		False,
 	),
+	"excess ice with explicit pressure": (
+		lambda: freezing(points={"temperature": -1.0}, values=[-5, 5], material=Material(thawStrain=0.08)),
+		("thawStrain is 0.08", "may flow", "pressure='implicit'"),
+		False,
+	),
 	"rain in mm/h": (lambda: wet(boundaries=[wrapper.WaterFlux(region="surface", flux=5)]), ("flux is 5", "1.389e-06"), False),
 }
 
@@ -170,6 +175,9 @@ plausible = {
 	"soft clay of small cohesion": lambda: skeleton(MohrCoulomb, frictionAngle=20, cohesion=50, young=2e6),
 	"no gravity": lambda: ground(gravity=(0, 0)),
 	"frozen, with heat": lambda: warm(points={"temperature": -2}),
+	"excess ice with implicit pressure": lambda: freezing(
+		points={"temperature": -1.0}, values=[-5, 5], material=Material(thawStrain=0.08), water=wrapper.PoreWater(pressure="implicit")
+	),
 	"frozen ground that thaws": lambda: freezing(points={"temperature": -1.0}, values=[-5, 5]),
 	"ground that freezes and draws water": lambda: freezing(
 		points={"temperature": 1.0}, values=[1, -5], segregation=wrapper.IceSegregation(segregationPotential=1e-9)
