@@ -222,7 +222,11 @@ def loadsAndRain(ground):
 
 
 def _isFullAndClosed(ground):
-	return not (ground.points["poreFill"] < 1).any() and not any(isinstance(boundary, wrapper.DrainedBoundary) for boundary in ground.boundaries)
+	return (
+		not (ground.points["poreFill"] < 1).any()
+		and not ground.mpm.poreFill < 1
+		and not any(isinstance(boundary, wrapper.DrainedBoundary) for boundary in ground.boundaries)
+	)
 
 
 def ponds(ground):
