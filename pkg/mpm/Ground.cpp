@@ -147,6 +147,9 @@ template <int D> void Ground<D>::copyById(const std::string& field, int componen
 	}
 	for (int p = 0; p < g.points->count(); ++p)
 		out[g.points->id(p)] = values[p];
+	if (field != "volume" || !g.settings.axisymmetric) return;
+	for (int p = 0; p < g.points->count(); ++p) // as it was given
+		out[g.points->id(p)] /= g.points->position(0)[p];
 }
 
 template <int D> void Ground<D>::setThermalState(int id, double temperature, double pressure)

@@ -95,7 +95,7 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfPoints() const
 		// What a step adds to nodal velocities reaches the next one by way of the points, smoothed: a mode keeps the share s of it, and g of
 		// its velocity, 0 <= s <= g <= 1. It grows where (omega dt)^2 > 2 (1 + g)/(1 + g - s), which is 4 without smoothing and never below 2.
 		// No mode has omega > sqrt(D steepness) c/h.
-		const double reach = h * std::min(s.courantNumber, std::sqrt(2.0 / (D * g.shape->steepness())));
+		const double reach = h * std::min(s.courantNumber, std::sqrt(2.0 / ((s.axisymmetric ? 3 : D) * g.shape->steepness())));
 		g.skeletons.tangentModulus(g.stepTime(), g.scratch.data());
 		add("wave", [&](int p) { return reach / g.signalSpeed(p, g.scratch[p]); });
 		add("velocity", [&](int p) { return s.motionFraction * h / sizeAt<D>(g.motion->velocity, p); });

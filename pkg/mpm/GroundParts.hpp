@@ -222,6 +222,16 @@ template <int D> struct Ground<D>::Parts {
 	void addStress(const StepContext<D>& step, const WeightBlock<D>& w, CostMeter::Sample& sample);
 	void mapWeight(const WeightBlock<D>& w);
 	void collectSurfaces(const StepContext<D>& step);
+	void mapSurface(const WeightBlock<D>& w)
+	{
+		surface->map(w);
+		if (settings.axisymmetric) surface->mapHoop(meanOfFaces(w));
+	}
+	WeightBlock<D> meanOfFaces(const WeightBlock<D>& w) const
+	{
+		return shape->meanOfFaces(
+		        grid, [&](int p) { return points->volume()[p] / points->position(0)[p]; }, w);
+	}
 
 	// ---- solveNodes -----------------------------------------------------------------------------------------------------
 	void findFlows(const StepContext<D>& step);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/base/Errors.hpp>
+#include <pkg/mpm/boundary/Boundaries.hpp>
 #include <pkg/mpm/effects/Effect.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 
@@ -131,8 +132,46 @@ template <int D> static void requireFill(const GroundSettings<D>& s, const std::
 	requireSetting(fill >= (s.water ? 0.01 : 0.0) && fill <= 1.0, attribute, fill, s.water ? "must lie in [0.01, 1] with water" : "must lie in [0, 1]");
 }
 
+/// What has no radius in its areas or no strain around the axis is refused.
+template <int D> static void checkAxis(const GroundSettings<D>& s)
+{
+	const auto require = [](bool holds, const std::string& what, const char* remedy) {
+		if (!holds) throw std::invalid_argument("MpmEngine.axisymmetric = true " + what + ": " + remedy);
+	};
+	require(D == 2, "in space", "an axis is for ground in the plane; give points of two components, or leave axisymmetric out");
+	require(s.lower[0] >= 0.0, "with lower.x = " + asText(s.lower[0]), "x is the radius; let the box begin at the axis, x = 0, or beyond");
+	const bool fails = std::any_of(s.skeletons.begin(), s.skeletons.end(), [](const auto& law) { return law && law->canFail(); });
+	require(!(s.freezing && s.motion && s.thawFront && fails), "with thawFront", "the front has no hoop stress; set thawFront to None");
+	require(!s.segregation, "with segregation", "lenses have no radius; leave segregation out");
+	require(!s.bodies, "with bodies", "they would be rings; leave bodies out, and move walls by MovingBoundary");
+	require(s.effects.empty(), "with effects", "they do not see the hoop strain; leave them out");
+	require(!s.water || !s.water->implicit, "with PoreWater.pressure = implicit", "the faces of cells have no radius; take explicit");
+	require(!s.water || !s.freezing, "with water that freezes", "the faces of cells have no radius; leave water or freezing out");
+	for (const SoilMaterial& m : s.materials)
+		require(m.thawStrain == 0.0 && !m.compression.given(), "with thaw strain",
+		        "it does not see the hoop strain; leave thawStrain and compression out");
+	for (const auto& law : s.skeletons)
+		require(!law || law->knowsHoopStrain(), "with " + (law ? law->name() : ""), "it does not see the hoop strain; take another skeleton law");
+}
+
+template <int D> void closeAxis(GroundSettings<D>& s)
+{
+	bool closed = s.lower[0] > 0.0;
+	for (const auto& b : s.boundaries) {
+		if (!b || b->region().kind != Region<D>::Kind::side || b->region().on.axis != 0) continue;
+		if (b->joinsSides()) throw std::invalid_argument("PeriodicBoundary in axisymmetric ground joins two radii: leave it out");
+		if (b->region().on.upper || s.lower[0] > 0.0) continue;
+		if (b->name() != "RollerBoundary" && b->name() != "InsulatedBoundary")
+			throw std::invalid_argument(
+			        b->name() + " on left of axisymmetric ground: the axis has no area; remove it, or let the box begin at a radius");
+		closed = closed || b->name() == "RollerBoundary";
+	}
+	if (!closed && s.motion) s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side("left")));
+}
+
 template <int D> void checkSettings(const GroundSettings<D>& s)
 {
+	if (s.axisymmetric) checkAxis(s);
 	s.mixture.validate();
 	checkMaterials(s);
 	if (!s.motion && !s.heat) throw std::invalid_argument("no effect: the scene has neither motion nor heat; give it at least one");
@@ -307,6 +346,8 @@ template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<
 }
 
 template void checkSettings(const GroundSettings<2>&);
+template void closeAxis(GroundSettings<2>&);
+template void closeAxis(GroundSettings<3>&);
 template void checkBoundaries(const GroundSettings<2>&, const Grid<2>&);
 template void checkPoints(const GroundSettings<2>&, const Grid<2>&, int, const std::function<PointInput<2>(int)>&);
 template void checkSettings(const GroundSettings<3>&);

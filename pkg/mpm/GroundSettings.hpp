@@ -160,6 +160,7 @@ struct SoilMaterial {
 struct SettingsOfAnyDimension {
 	double      gridSpacing   = 0.0;                ///< h [m], > 0
 	std::string shapeFunction = "quadraticBSpline"; ///< see shapeFunctionNames()
+	bool        axisymmetric  = false;              ///< the plane turns about x = 0; all quantities are those of a radian
 
 	MixtureProperties         mixture;   ///< of a ground without materials
 	std::vector<SoilMaterial> materials; ///< PointInput::material counts in this list; empty: one soil, of mixture, freezing and water->permeability
@@ -208,7 +209,7 @@ template <int D> struct GroundSettings : SettingsOfAnyDimension {
 /// One material point as it is put into a scene.
 template <int D> struct PointInput {
 	Vec<D> position {};                                            ///< [m]
-	double volume      = 0.0;                                      ///< [m^D], > 0
+	double volume      = 0.0;                                      ///< [m^D], > 0; about an axis that of the plane, without the radius
 	double porosity    = 0.4;                                      ///< n [-], in (0, 1)
 	double temperature = 0.0;                                      ///< [degC], used if heat is present
 	double pressure    = 0.0;                                      ///< pore pressure [Pa], used if water is present
@@ -244,6 +245,8 @@ struct StateArray {
 
 template <int D> void checkSettings(const GroundSettings<D>& settings);
 template <int D> void checkBoundaries(const GroundSettings<D>& settings, const Grid<D>& grid);
+/// The axis is a plane of symmetry where the box reaches it.
+template <int D> void closeAxis(GroundSettings<D>& settings);
 template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, int count, const std::function<PointInput<D>(int id)>& point);
 
 } // namespace talik

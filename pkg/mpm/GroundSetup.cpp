@@ -12,7 +12,8 @@ template <int D> void Ground<D>::Parts::declareFields()
 	PointFields& field = points->fields();
 	listEffects();
 	if (settings.motion)
-		motion = std::make_unique<SolidMotion<D>>(field, *settings.motion, settings.water || settings.motion->bBar || !stressingEffects.empty());
+		motion = std::make_unique<SolidMotion<D>>(
+		        field, *settings.motion, settings.water || settings.motion->bBar || !stressingEffects.empty(), settings.axisymmetric);
 	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
 		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
 	for (const auto& effect : effects)
@@ -73,15 +74,16 @@ template <int D> void Ground<D>::Parts::fillPoint(int p, const PointInput<D>& in
 {
 	for (int a = 0; a < D; ++a)
 		points->position(a)[p] = in.position[a];
-	points->volume()[p] = in.volume;
+	const double volume = in.volume * grid.measureAt(in.position[0]);
+	points->volume()[p] = volume;
 	if (motion) {
 		for (int a = 0; a < D; ++a)
 			motion->velocity[a][p] = in.velocity[a];
 		for (int c = 0; c < stressSize<D>; ++c)
 			motion->stress[c][p] = in.stress[c];
-		motion->initialVolume[p]   = in.volume;
+		motion->initialVolume[p]   = volume;
 		const MixtureProperties& m = settings.mixtureOf(in.material);
-		motion->mass[p]            = in.volume * ((1.0 - in.porosity) * m.solid.density + fill * in.porosity * m.liquid.density);
+		motion->mass[p]            = volume * ((1.0 - in.porosity) * m.solid.density + fill * in.porosity * m.liquid.density);
 	}
 	if (water)
 		for (int a = 0; a < D; ++a)
@@ -102,6 +104,7 @@ template <int D> SkeletonBatch<D> Ground<D>::Parts::arraysOfSkeletons() const
 {
 	SkeletonBatch<D> all;
 	all.gradient      = readOnly(motion->gradient);
+	all.hoop          = motion->hoop;
 	all.stress        = motion->stress;
 	all.iceSaturation = content ? content->iceSaturation : nullptr;
 	all.volume        = points->volume();
@@ -263,7 +266,7 @@ template <int D> void Ground<D>::Parts::checkFreeSurface()
 	clearNodes();
 	locateInCells();
 	passes.scatter(
-	        passes.toGrid, [&](const WeightBlock<D>& w) { surface->map(w); },
+	        passes.toGrid, [&](const WeightBlock<D>& w) { mapSurface(w); },
 	        [&](HaloExchange& rows) {
 		        rows.beyond = true;
 		        rows.nodes(surface->nodes);
@@ -354,6 +357,10 @@ template <int D> void Ground<D>::initialise()
 	if (g.ready) throw std::logic_error("initialise: the ground is initialised already");
 	g.grid = Grid<D>(g.settings.lower, g.settings.upper, g.settings.gridSpacing);
 	checkSettings(g.settings);
+	if (g.settings.axisymmetric) {
+		g.grid.turn();
+		closeAxis(g.settings);
+	}
 	checkBoundaries(g.settings, g.grid);
 	for (const auto& b : g.settings.boundaries)
 		if (b->joinsSides()) g.grid.joinSides(b->region().on.axis);

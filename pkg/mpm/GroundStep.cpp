@@ -196,6 +196,7 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 	                   [&](const WeightBlock<D>& w, double*) {
 		                   motion->map(w, weightWithMotion, weight ? heat->temperature : nullptr, weight ? heat->reference : 0.0);
 	                   } },
+	        PassPart { settings.axisymmetric && motion, CostMeter::motion, [&](const WeightBlock<D>& w, double*) { motion->mapHoop(meanOfFaces(w)); } },
 	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },
 	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->map(step, w, pointsOfFront(), affine.get()); } },
 	        PassPart { motion && weighs() && fillsCells, CostMeter::motion, [&](const WeightBlock<D>& w, double*) { mapWeight(w); } },
@@ -203,16 +204,19 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 	                   [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells(), weight, weight ? heat->reference : 0.0); } },
 	        PassPart { bool(heat), CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
 	        PassPart { implicit && implicit->isFed(), CostMeter::water, [&](const WeightBlock<D>& w, double*) { implicit->map(w, *cells, *content); } },
-	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { surface->map(w); } });
+	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { mapSurface(w); } });
 }
 
 template <int D> void Ground<D>::Parts::mapWeight(const WeightBlock<D>& w)
 {
-	motion->mapWeight(
-	        w, grid, [&](int p) { return water ? content->liquidMass(p) : 0.0; },
-	        [&](int k, int node, const Vec<D>& force) {
-		        if (front) front->pushNode(w.first + k, node, force);
-	        });
+	grid.measured([&](auto&& measure) {
+		motion->mapWeight(
+		        w, grid, [&](int p) { return water ? content->liquidMass(p) : 0.0; },
+		        [&](int k, int node, const Vec<D>& force) {
+			        if (front) front->pushNode(w.first + k, node, force);
+		        },
+		        measure);
+	});
 }
 
 /// Effects in files of their own add to the stress of a block.
@@ -385,6 +389,8 @@ template <int D> void Ground<D>::Parts::gatherFromGrid(const StepContext<D>& ste
 	                   [&](const WeightBlock<D>& w, double* gained) {
 		                   water->gather(w, content->waterMass, heat ? heat->enthalpy : nullptr, averagingCells(), inRecordOfWater ? gained : nullptr);
 	                   } },
+	        PassPart { settings.axisymmetric && motion, CostMeter::motion,
+	                   [&](const WeightBlock<D>& w, double*) { motion->gatherHoop(meanOfFaces(w), step.dt); } },
 	        PassPart { bool(motion), CostMeter::motion,
 	                   [&](const WeightBlock<D>& w, double* gained) { motion->gather(w, step.dt, inRecordOfMotion ? gained : nullptr); } },
 	        PassPart { bool(heat), CostMeter::heat,

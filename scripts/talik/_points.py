@@ -124,7 +124,8 @@ def field(mpm, name, measured):
 	if name in ("strain", "deviatoricStrain"):
 		if not (mpm.deformationRecord and mpm.motion):
 			raise ValueError(f"MpmEngine.field: {name} needs motion and deformationRecord=True.")
-		return strain(name, mpm._storedField("deformationGradient"))
+		gradients = mpm._storedField("deformationGradient")
+		return strain(name, aboutAxis(gradients, mpm) if mpm.axisymmetric else gradients)
 	if measured:
 		result = measured[0]
 		for other in measured[1:]:
@@ -135,6 +136,14 @@ def field(mpm, name, measured):
 	if stored is None:
 		raise ValueError(f"MpmEngine.field: there is no field '{name}' in this scene: choose one of {', '.join(mpm.fieldNames())}.")
 	return stored
+
+
+def aboutAxis(gradients, mpm):
+	"""Deformation gradients (n, 9) from those in the plane (n, 4) and the change of the radius."""
+	radius, moved = mpm.field("position")[:, 0], mpm.field("displacement")[:, 0]
+	all9 = np.zeros((len(radius), 9))
+	all9[:, [0, 1, 3, 4]], all9[:, 8] = gradients, radius / (radius - moved)
+	return all9
 
 
 def strain(name, gradients):

@@ -24,7 +24,7 @@ struct Scene {
 	double           segregation = 0.0; ///< potential [m^2/(s K)]; infinite: computed, with a lens behind its fringe
 	int              columns     = 0;   ///< of points, along the slope; 0: all that have room
 	bool             implicit    = false;
-	bool             periodic    = false; ///< left and right are joined, and ground fills the box between them
+	bool             periodic = false, axisymmetric = false; ///< periodic: left and right are joined, and ground fills the box between them
 };
 
 /// Two soils, a wall that moves in, rain, and boundaries that act in boxes, on discs and on a side, across the borders of strips.
@@ -79,6 +79,10 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 		s.boundaries.erase(s.boundaries.begin());
 		s.boundaries[0]      = std::make_shared<PeriodicBoundary<D>>(Region<D>::side("right"));
 		s.motion->gravity[0] = 4.0;
+	}
+	if (scene.axisymmetric) {
+		s.axisymmetric = true;
+		s.thawFront.reset();
 	}
 	if (scene.heat) {
 		s.heat.emplace();
@@ -175,6 +179,14 @@ inline Scene withoutEnds(Scene scene, const char* name)
 	return scene;
 }
 
+inline Scene aboutAxis(Scene scene, const char* name)
+{
+	scene.name         = name;
+	scene.axisymmetric = true;
+	return scene;
+}
+
+inline const Scene aroundAxis      = aboutAxis(frozen, "heat, freezing, about an axis");
 inline const Scene wetImplicit     = withImplicitPressure(wet, "water, implicit pressure"),
                    allImplicit     = withImplicitPressure(all, "heat, water, freezing, thaw front, implicit pressure"),
                    wallImplicit    = withImplicitPressure(withWalls, "all, two soils, a moving wall, rain, sources, implicit pressure"),

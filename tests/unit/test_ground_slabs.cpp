@@ -95,6 +95,8 @@ TEST(GroundSlabs, OnTwoRanksGiveTheBitsOfOneRank)
 		expectSameBits<3>(scene, 130, { 2 }, { 1 });
 }
 
+TEST(GroundSlabs, AboutAnAxisGiveTheBitsOfOneRank) { expectSameBits<2>(aroundAxis, 260, { 2 }, { 1, 2 }); }
+
 TEST(GroundSlabs, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
 {
 	Scene half   = all;

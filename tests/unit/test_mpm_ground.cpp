@@ -416,3 +416,41 @@ TEST(MpmGround, PointsThatLeaveTheBoxAreNamed)
 	EXPECT_NAMES(message, "left the grid's box");
 	EXPECT_NAMES(message, "material point 7 "); // the lowest of those in front, which leaves first or with the others
 }
+
+TEST(MpmGround, AboutAnAxisRefusesWhatHasNoRadiusInASentence)
+{
+	const auto said = [](const std::function<void(GroundSettings<2>&)>& change) {
+		GroundSettings<2> s;
+		s.axisymmetric = true;
+		s.upper        = { 1.0, 1.0 };
+		s.gridSpacing  = 0.5;
+		s.motion.emplace();
+		s.skeletons = { std::make_shared<ElasticSkeleton<2>>() };
+		change(s);
+		const std::string text = refusal([&] {
+			Ground<2>     ground(s);
+			PointInput<2> point;
+			point.position = { 0.25, 0.25 };
+			point.volume   = 0.25;
+			ground.addPoint(point);
+			ground.initialise();
+		});
+		std::printf("%s\n", text.c_str());
+		return text;
+	};
+	const auto with = [&](auto boundary) {
+		return said([&](GroundSettings<2>& s) { s.boundaries.push_back(std::make_shared<decltype(boundary)>(boundary)); });
+	};
+	const auto left = Region<2>::side("left");
+	EXPECT_EQ(said([](GroundSettings<2>&) {}), "accepted");
+	EXPECT_EQ(with(RollerBoundary<2>(left)), "accepted");
+	EXPECT_NAMES(said([](GroundSettings<2>& s) { s.lower[0] = -1.0; }), "lower.x = -1");
+	EXPECT_EQ(said([](GroundSettings<2>& s) { s.water.emplace(); }), "accepted");
+	EXPECT_NAMES(said([](GroundSettings<2>& s) { s.water.emplace().implicit = true; }), "implicit");
+	EXPECT_NAMES(said([](GroundSettings<2>& s) { s.bodies.emplace(); }), "bodies");
+	EXPECT_NAMES(with(Traction<2>(left, 1e3)), "the axis has no area");
+	EXPECT_NAMES(with(PeriodicBoundary<2>(Region<2>::side("right"))), "PeriodicBoundary");
+	GroundSettings<3> space;
+	space.axisymmetric = true;
+	EXPECT_NAMES(refusal([&] { checkSettings(space); }), "in space");
+}

@@ -433,3 +433,48 @@ TEST(MovingFront, InterFrostT1SoilFollowsTheSimilaritySolution)
 	Drawing    drawing("interfrost_t1", "InterFrost soil, freezing interval -1..0 degC, after 5 d", "depth [m]", "temperature [degC]");
 	drawProfile(drawing, "T", result, exact, 5.0, 2.0);
 }
+
+/// A sink on the axis draws heat from the ground, which freezes in a cylinder.
+TEST(MovingFront, GroundAroundALineSinkFreezesAsInTheSolutionOfCarslawAndJaeger)
+{
+	citing("Carslaw & Jaeger 1959, 11.6 (III)");
+	const double radius = 0.1, power = -1.6e3, initial = 2.0, h = 0.025, perRadian = -0.5 * power * radius * radius;
+	auto         s = columnSettings(h, h);
+	s.axisymmetric = true;
+	s.upper        = { 4.0, h };
+	s.heat.emplace();
+	s.freezing = sharpCurve();
+	addBoundary<HeatSource<2>>(s, Region<2>::nodeBox({ -1.0, -1.0 }, { radius, 1.0 }), power);
+	Ground<2> ground(s);
+	fillBox(
+	        ground, s.lower, s.upper,
+	        [&](PointInput<2>& p) {
+		        p.temperature = initial;
+		        p.porosity    = porosity;
+	        },
+	        1);
+	ground.initialise();
+
+	const Water  ice(s.mixture, 1.0, 0.0), liquid(s.mixture, 1.0, 1.0);
+	const double frozen = phase(s.mixture, 0.0).conductivity / ice.heatCapacity(s.mixture), conductivity = phase(s.mixture, 1.0).conductivity;
+	const double ratio = frozen * liquid.heatCapacity(s.mixture) / conductivity, latent = ice.ice * s.mixture.latentHeat;
+	const auto   excess = [&](double square) { // of the sink over what freezing and the ground beyond give, by the square of X^2 = 4 square frozen t
+                const double given = conductivity * initial * std::exp(-square * ratio) / -std::expint(-square * ratio);
+                return 0.5 * perRadian * std::exp(-square) - given - square * frozen * latent;
+	};
+	double low = 1e-6, high = 1.0;
+	while (high - low > 1e-12)
+		(excess(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
+	double largest = 0.0;
+	for (const double days : { 15.0, 20.0, 25.0, 30.0 }) {
+		marchTo(ground, days * day);
+		const auto saturation = valuesOf(ground, "iceSaturation"), volume = valuesOf(ground, "volume"), r = valuesOf(ground, "position");
+		double     sum = 0.0;
+		for (std::size_t p = 0; p < volume.size(); ++p)
+			sum += saturation[p] * volume[p] * r[p];
+		const double exact = std::sqrt(4.0 * low * frozen * ground.time());
+		largest            = std::max(largest, std::abs(std::sqrt(2.0 * sum / h) / exact - 1.0));
+		if (days == 30.0) expectRelative("line sink: radius of the frozen cylinder after 30 days", std::sqrt(2.0 * sum / h), exact, 1e-2);
+	}
+	expectSmall("line sink: largest error of the radius from 15 days on", largest, 1e-2);
+}

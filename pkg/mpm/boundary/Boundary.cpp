@@ -218,6 +218,7 @@ template <int D> std::vector<NodeShare> nodeShares(const Grid<D>& grid, const Re
 				x[a]  = at[a] + offset * grid.spacing();
 				there = there && x[a] > grid.lower()[a] && x[a] < grid.upper()[a];
 			}
+			weight *= grid.measureAt(x[0]);
 			if (there) {
 				all += weight;
 				if (region.holds(x, 0.0)) held += weight;

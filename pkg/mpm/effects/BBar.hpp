@@ -46,6 +46,7 @@ private:
 		double depth, mass, along;
 	};
 	TALIK_PROCESSOR_VERSIONS static void replaceTraces(const CellMeans<D>& cells, SolidMotion<D>& motion, int first, int last);
+	static void                          strainAboutAxis(const CellMeans<D>* cells, MaterialPoints<D>& points, SolidMotion<D>& motion, int first, int last);
 	/// V times det(1 + G), eq. (2.1).
 	TALIK_PROCESSOR_VERSIONS static void stretchVolumes(MaterialPoints<D>& points, const SolidMotion<D>& motion, int first, int last);
 

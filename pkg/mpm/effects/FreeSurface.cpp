@@ -13,12 +13,21 @@ namespace {
 	// Areas that are smaller against the volume that a node stands for are the noise of the points' arrangement. A node behind a
 	// wall stands for little volume, and its share of the surface is as small.
 	constexpr double smallestArea = 0.05;
+
+	/// work(empty), with empty(cell): whether the points of a cell fill less of it than counts.
+	template <int D, class Work> decltype(auto) withEmptiness(const Grid<D>& grid, const CellMeans<D>& cells, Work&& work)
+	{
+		const double enough = emptyFilling * grid.cellVolume();
+		return grid.measured(
+		        [&](auto&& measure) -> decltype(auto) { return work([&](int c) { return cells.cellVolume(c) < enough * measure(grid.middle(c)); }); });
+	}
 } // namespace
 
 template <int D> void FreeSurface<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* conductivity)
 {
 	strips_       = &points.strips();
 	volume_       = points.volume();
+	radius_       = points.position(0);
 	conductivity_ = conductivity;
 	nodes.allocate(grid.nodeCount());
 }
@@ -91,12 +100,13 @@ template <int D> void FreeSurface<D>::widen(int stride)
 template <int D> void FreeSurface<D>::findNeeded(const Grid<D>& grid, const CellMeans<D>& cells)
 {
 	if (needsAll_) return;
-	cells_              = &cells;
-	const double enough = emptyFilling * grid.cellVolume();
+	cells_ = &cells;
 	std::fill(needed_.begin(), needed_.end(), static_cast<unsigned char>(needsSides_));
 	std::fill(widened_.begin(), widened_.end(), static_cast<unsigned char>(needsSides_));
-	for (int c = 0; c < grid.cellCount(); ++c)
-		needed_[place_[c]] = cells.cellVolume(c) < enough;
+	withEmptiness(grid, cells, [&](auto&& empty) {
+		for (int c = 0; c < grid.cellCount(); ++c)
+			needed_[place_[c]] = empty(c);
+	});
 	for (int a = 0; a < D; ++a)
 		widen(stride_[a]);
 }
@@ -112,14 +122,21 @@ template <int D> void FreeSurface<D>::map(const WeightBlock<D>& w)
 	nodeLoops<D>().mapSurface(w, volume_, conductivity_, nodes[0]);
 }
 
+template <int D> void FreeSurface<D>::mapHoop(const WeightBlock<D>& w)
+{
+	for (int k = 0; k < w.count; ++k)
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) { nodes[node][Record::area] += s * volume_[w.first + k] / radius_[w.first + k]; });
+}
+
 template <int D> void FreeSurface<D>::findOpenAir(const Grid<D>& grid, const CellMeans<D>& cells)
 {
-	const double             enough = emptyFilling * grid.cellVolume();
-	const SlabDecomposition* slabs  = strips_->slabs;
-	const int                strip  = Strips::rows * grid.cellStride(grid.slowAxis());
+	const SlabDecomposition* slabs = strips_->slabs;
+	const int                strip = Strips::rows * grid.cellStride(grid.slowAxis());
 	const int first = slabs ? slabs->firstStrip() * strip : 0, end = slabs ? std::min(slabs->endStrip() * strip, grid.cellCount()) : grid.cellCount();
-	for (int c = first; c < end; ++c)
-		empty_[c] = cells.cellVolume(c) < enough;
+	withEmptiness(grid, cells, [&](auto&& empty) {
+		for (int c = first; c < end; ++c)
+			empty_[c] = empty(c);
+	});
 	if (strips_->slabs) strips_->slabs->shareByCell(empty_);
 	bool changed = false;
 	for (int c = 0; c < grid.cellCount(); ++c)
@@ -186,27 +203,28 @@ template <int D> bool FreeSurface<D>::atWall(const Grid<D>& grid, const CellMean
 {
 	const bool lower = node[axis] <= 2, upper = node[axis] >= grid.cells(axis);
 	if (grid.isPeriodic(axis) || (!lower && !upper)) return false;
-	const double       enough = emptyFilling * grid.cellVolume();
 	std::array<int, D> low, high, cell;
 	for (int a = 0; a < D; ++a) {
 		low[a]  = grid.isPeriodic(a) ? node[a] - 3 : std::max(0, node[a] - 3);
 		high[a] = grid.isPeriodic(a) ? node[a] : std::min(grid.cells(a) - 1, node[a]);
 	}
-	for (const bool atUpper : { false, true }) {
-		if (atUpper ? !upper : !lower) continue;
-		low[axis] = high[axis] = atUpper ? grid.cells(axis) - 1 : 0;
-		for (int a = 0; a < D; ++a)
-			if (!grid.isPeriodic(a)) high[a] = std::max(high[a], 0), low[a] = std::min(low[a], high[a]);
-		cell = low;
-		while (true) {
-			if (cells.cellVolume(grid.cellAt(cell)) >= enough) return true;
-			int a = 0;
-			while (a < D && ++cell[a] > high[a])
-				cell[a] = low[a], ++a;
-			if (a == D) break;
+	return withEmptiness(grid, cells, [&](auto&& empty) {
+		for (const bool atUpper : { false, true }) {
+			if (atUpper ? !upper : !lower) continue;
+			low[axis] = high[axis] = atUpper ? grid.cells(axis) - 1 : 0;
+			for (int a = 0; a < D; ++a)
+				if (!grid.isPeriodic(a)) high[a] = std::max(high[a], 0), low[a] = std::min(low[a], high[a]);
+			cell = low;
+			while (true) {
+				if (!empty(grid.cellAt(cell))) return true;
+				int a = 0;
+				while (a < D && ++cell[a] > high[a])
+					cell[a] = low[a], ++a;
+				if (a == D) break;
+			}
 		}
-	}
-	return false;
+		return false;
+	});
 }
 
 template <int D> void FreeSurface<D>::collectSide(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range, int boundary)
@@ -233,7 +251,7 @@ template <int D> void FreeSurface<D>::collectBox(const Grid<D>& grid, const Acti
 	const std::vector<int>& all = sideNodes_[boundary];
 	for (int node : all) {
 		if (!range.holds(node)) continue;
-		double area = grid.faceArea();
+		double area = grid.faceArea() * grid.measureAt(grid.nodePosition(0, grid.nodeOf(node)[0]));
 		for (int a = 0; a < D; ++a) {
 			const bool before = std::binary_search(all.begin(), all.end(), node - grid.nodeStride(a));
 			const bool after  = std::binary_search(all.begin(), all.end(), node + grid.nodeStride(a));

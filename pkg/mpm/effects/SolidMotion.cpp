@@ -5,7 +5,7 @@
 namespace talik {
 
 template <int D>
-SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion, bool addsStress)
+SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion, bool addsStress, bool turned)
         : settings(&motion)
 {
 	const char* area = D == 2 ? "m^2" : "m^3";
@@ -16,6 +16,7 @@ SolidMotion<D>::SolidMotion(PointFields& fields, const MotionSettings<D>& motion
 	initialVolume_   = fields.declare("initialVolume", "motion", area, 1);
 	gradient_        = fields.declare("gradient", "motion", "-", D * D, false);
 	if (addsStress) addedStress_ = fields.declare("addedStress", "motion", "Pa", 1, false);
+	if (turned) hoop_ = fields.declare("hoopStrain", "motion", "-", 1, false);
 }
 
 template <int D> void SolidMotion<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid)
@@ -34,7 +35,11 @@ template <int D> void SolidMotion<D>::bind(MaterialPoints<D>& points, const Grid
 	volume        = points.volume();
 	initialVolume = f.component(initialVolume_);
 	addedStress   = f.component(addedStress_);
-	traceShare    = traceShares(grid);
+	hoop          = f.component(hoop_);
+	direct[2]     = hoop;
+	for (int a = 0; a < D; ++a)
+		direct[a] = gradient[a * D + a];
+	traceShare = traceShares(grid);
 	nodes.allocate(grid.nodeCount());
 	solved.allocate(grid.nodeCount());
 }
@@ -58,6 +63,25 @@ template <int D> double SolidMotion<D>::carriedPart(int p, int a, int normal, do
 template <int D> void SolidMotion<D>::gather(const WeightBlock<D>& w, double dt, double* increment)
 {
 	nodeLoops<D>().gatherMotion(w, { solved[0], velocity, position, displacement, gradient, kept, dt, increment });
+}
+
+template <int D> void SolidMotion<D>::mapHoop(const WeightBlock<D>& w)
+{
+	for (int k = 0; k < w.count; ++k) {
+		const int    p     = w.first + k;
+		const double force = -volume[p] / position[0][p] * (stress[2][p] + (addedStress ? addedStress[p] : 0.0));
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) { nodes[node][forceAt] += s * force; });
+	}
+}
+
+template <int D> void SolidMotion<D>::gatherHoop(const WeightBlock<D>& w, double dt)
+{
+	for (int k = 0; k < w.count; ++k) {
+		const int p     = w.first + k;
+		double    speed = 0.0;
+		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) { speed += s * solved[node][velocityAt]; });
+		hoop[p] = dt * speed / position[0][p];
+	}
 }
 
 TALIK_IN_PLANE_AND_SPACE(SolidMotion);

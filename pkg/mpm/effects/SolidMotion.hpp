@@ -9,6 +9,7 @@
 #include <pkg/mpm/points/CellMeans.hpp>
 
 #include <algorithm>
+#include <type_traits>
 
 namespace talik {
 
@@ -21,19 +22,32 @@ public:
 	using Solved                = typename NodeColumns<D>::Solved;
 	static constexpr int massAt = Record::mass, momentumAt = Record::momentum, forceAt = Record::force, velocityAt = Solved::velocity;
 
-	/// addsStress: a stress other than the effective one enters the momentum balance.
-	SolidMotion(PointFields& fields, const MotionSettings<D>& settings, bool addsStress = true);
+	/// addsStress: a stress other than the effective one enters the momentum balance; turned: the plane turns about an axis.
+	SolidMotion(PointFields& fields, const MotionSettings<D>& settings, bool addsStress = true, bool turned = false);
 	void bind(MaterialPoints<D>& points, const Grid<D>& grid);
 
 	/// Adds mass, momentum and internal force of a block, with addedStress. Maps capacity and capacity times (carried - carriedFrom) along, if
 	/// not null, where records Moving have columns for them.
 	void map(const WeightBlock<D>& w, const double* capacity = nullptr, const double* carried = nullptr, double carriedFrom = 0.0);
 	/// Moves the weight of points that fill a cell from their middle to their upper and lower face, half to each, as far as stress carries it,
-	/// eq. (8.2b). liquidMass(place) [kg]; push(k, node, force): the same force on a side of the thaw front.
-	template <class LiquidMass, class Push> void mapWeight(const WeightBlock<D>& w, const Grid<D>& grid, LiquidMass&& liquidMass, Push&& push);
+	/// eq. (8.2b). liquidMass(place) [kg]; push(k, node, force): the same force on a side of the thaw front; measure: see Grid::measured.
+	template <class LiquidMass, class Push, class Measure>
+	void mapWeight(const WeightBlock<D>& w, const Grid<D>& grid, LiquidMass&& liquidMass, Push&& push, Measure&& measure);
 	/// Velocity, displacement, position and displacement gradient of a block from the solved nodes. increment, unless null: what the points gather
 	/// of column increment, where records Solved have one.
 	void gather(const WeightBlock<D>& w, double dt, double* increment = nullptr);
+	/// In the plane about an axis, with the mean of the faces of points: adds the force of the hoop stress of a block, eq. (29.2), and finds its hoop
+	/// strain before points move, eq. (29.3).
+	void mapHoop(const WeightBlock<D>& w);
+	void gatherHoop(const WeightBlock<D>& w, double dt);
+
+	/// work(number) with the number of direct strains, which the compiler knows: D, and three about an axis.
+	template <class Work> decltype(auto) overDirect(Work&& work) const
+	{
+		if constexpr (D == 2)
+			if (hoop) return work(std::integral_constant<int, 3>());
+		return work(std::integral_constant<int, D>());
+	}
 
 	const MotionSettings<D>* settings;
 	double                   kept = 1.0; ///< chi of this step, see keptFraction()
@@ -45,7 +59,9 @@ public:
 	double*                    volume        = nullptr;
 	double*                    initialVolume = nullptr;
 	double*                    addedStress   = nullptr; ///< by the momentum balance to each normal stress: cell means and -p [Pa]; null: nothing
-	Vec<D>                     traceShare;              ///< of the strains in what B-bar adds to their sum, see traceShares()
+	double*                    hoop          = nullptr; ///< direct strain of the step around the axis [-]; null: there is no axis
+	std::array<double*, 3>     direct {};               ///< direct strains of the step: on the diagonal of gradient, and hoop
+	Vec<3>                     traceShare;              ///< of the strains in what B-bar adds to their sum, see traceShares()
 
 	NodeField<Record::size> nodes;
 	NodeField<Solved::size> solved; ///< chi dt a + (1 - chi) v, and v
@@ -54,20 +70,21 @@ private:
 	/// The part of its own weight that stress carries through a point as thick as given, along axis a [-], 0 to 1.
 	double carriedPart(int p, int a, int normal, double density, double thickness) const;
 
-	PointFields::Handle velocity_, displacement_, stress_, gradient_, mass_, initialVolume_, addedStress_ = -1;
+	PointFields::Handle velocity_, displacement_, stress_, gradient_, mass_, initialVolume_, addedStress_ = -1, hoop_ = -1;
 };
 
 template <int D>
-template <class LiquidMass, class Push>
-void SolidMotion<D>::mapWeight(const WeightBlock<D>& w, const Grid<D>& grid, LiquidMass&& liquidMass, Push&& push)
+template <class LiquidMass, class Push, class Measure>
+void SolidMotion<D>::mapWeight(const WeightBlock<D>& w, const Grid<D>& grid, LiquidMass&& liquidMass, Push&& push, Measure&& measure)
 {
 	const Vec<D>& b       = settings->gravity;
 	const int     n       = layerNormal<D>(b);
-	const double  spacing = grid.spacing(), cell = grid.cellVolume();
+	const double  spacing = grid.spacing(), ofCells = grid.cellVolume();
 	for (int k = 0; k < w.count; ++k) {
 		const double curvature = -0.5 * spacing * spacing * w.slope[n][0][k] * w.slope[n][2][k];
 		if (!(curvature > 0.0)) continue; // in the middle of its cell
-		const int p = w.first + k;
+		const int    p    = w.first + k;
+		const double cell = ofCells * measure(position[0][p]);
 		if (!(2.0 * volume[p] > cell)) continue; // several points of a cell share its weight
 		const double m = mass[p] + liquidMass(p), thickness = std::min(spacing, spacing * volume[p] / cell);
 		Vec<D>       moved;

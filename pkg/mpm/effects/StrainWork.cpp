@@ -6,10 +6,10 @@
 namespace talik {
 
 namespace {
-	/// Sum of value(p, trace, mean) for first <= p < last, in the order of the points; the values are found in vectors. trace: of the gradients g;
-	/// mean: that of the cell, the trace itself where means is null.
-	template <int D, class Value>
-	[[gnu::always_inline]] inline double inOrder(int first, int last, const std::array<double*, D * D>& g, const CellMeans<D>* means, Value&& value)
+	/// Sum of value(p, trace, mean) for first <= p < last, in the order of the points; the values are found in vectors. trace: sum of the first Direct
+	/// direct strains; mean: that of the cell, the trace itself where means is null.
+	template <int Direct, int D, class Value>
+	[[gnu::always_inline]] inline double inOrder(int first, int last, const std::array<double*, 3>& direct, const CellMeans<D>* means, Value&& value)
 	{
 		constexpr int piece = 32;
 		double        sum   = 0.0, values[piece], trace[piece], mean[piece];
@@ -19,8 +19,8 @@ namespace {
 			for (int k = 0; k < n; ++k) {
 				trace[k] = 0.0;
 #pragma GCC unroll 3
-				for (int a = 0; a < D; ++a)
-					trace[k] += g[a * D + a][start + k];
+				for (int a = 0; a < Direct; ++a)
+					trace[k] += direct[a][start + k];
 				mean[k] = trace[k];
 			}
 			for (int k = 0; means && k < n; ++k)
@@ -41,28 +41,34 @@ double StrainWork<D>::skeletonWork(const MaterialPoints<D>& points, const SolidM
 	const std::array<double*, D* D>          g      = motion.gradient;
 	const std::array<double*, stressSize<D>> stress = motion.stress;
 	const double* const                      volume = points.volume();
-	const Vec<D>                             share  = motion.traceShare;
-	return inOrder<D>(
-	        first, last, g, means, [&](int p, double trace, double mean) __attribute__((always_inline)) {
-		        const double missing = mean - trace;
-		        double       density = 0.0;
+	const std::array<double*, 3>             direct = motion.direct;
+	const Vec<3>                             share  = motion.traceShare;
+	return motion.overDirect([&](auto count) __attribute__((always_inline)) {
+		return inOrder<count>(
+		        first, last, direct, means, [&](int p, double trace, double mean) __attribute__((always_inline)) {
+			        const double missing = mean - trace;
+			        double       density = 0.0;
 #pragma GCC unroll 3
-		        for (int i = 0; i < D; ++i)
+			        for (int i = 0; i < D; ++i)
 #pragma GCC unroll 3
-			        for (int j = 0; j < D; ++j)
-				        density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing * share[i] : 0.0));
-		        return volume[p] * density;
-	        });
+				        for (int j = 0; j < D; ++j)
+					        density += stress[stressIndex<D>(i, j)][p] * (g[i * D + j][p] + (i == j ? missing * share[i] : 0.0));
+			        if constexpr (count > D) density += stress[2][p] * (direct[2][p] + missing * share[2]);
+			        return volume[p] * density;
+		        });
+	});
 }
 
 template <int D>
 double StrainWork<D>::pressureWork(
         const MaterialPoints<D>& points, const SolidMotion<D>& motion, const double* pressure, const CellMeans<D>* means, int first, int last)
 {
-	const std::array<double*, D* D> g      = motion.gradient;
-	const double* const             volume = points.volume();
-	return inOrder<D>(
-	        first, last, g, means, [&](int p, double, double mean) __attribute__((always_inline)) { return volume[p] * pressure[p] * mean; });
+	const std::array<double*, 3> direct = motion.direct;
+	const double* const          volume = points.volume();
+	return motion.overDirect([&](auto count) __attribute__((always_inline)) {
+		return inOrder<count>(
+		        first, last, direct, means, [&](int p, double, double mean) __attribute__((always_inline)) { return volume[p] * pressure[p] * mean; });
+	});
 }
 
 template <int D>

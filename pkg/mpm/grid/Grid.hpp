@@ -41,6 +41,21 @@ public:
 	/// Whether this is a slice of space: one cell thick in one direction, and in one only.
 	bool isSlice() const { return D == 3 && std::count(cells_.begin(), cells_.end(), 1) == 1; }
 
+	/// The plane turns about x = 0: x is the radius, and volumes and areas are those of a radian.
+	void turn() { turned_ = true; }
+	bool isTurned() const { return turned_; }
+	/// work(measure) with what measure(x) multiplies areas of the plane by: the radius x, or the compiler's constant 1 where nothing turns.
+	template <class Work> decltype(auto) measured(Work&& work) const
+	{
+		if constexpr (D == 2)
+			if (turned_) return work([](double x) { return x; });
+		return work([](double) { return 1.0; });
+	}
+	/// The same at one place.
+	double measureAt(double x) const { return turned_ ? x : 1.0; }
+	/// Middle of a cell along the first axis [m].
+	double middle(int cell) const { return lower_[0] + (place(cell, 0) + 0.5) * spacing_; }
+
 	/// Joins both sides of an axis: the ground goes on behind one of them as it begins at the other.
 	void joinSides(int axis);
 	bool isPeriodic(int axis) const { return periodic_[axis]; }
@@ -83,6 +98,7 @@ private:
 	std::array<int, D> cells_ {}, nodeStride_ {}, cellStride_ {};
 	int                nodeCount_ = 0, cellCount_ = 0, slowAxis_ = D - 1;
 
+	bool                   turned_ = false;
 	std::array<bool, D>    periodic_ {};
 	std::vector<NodeImage> images_;
 	std::vector<int>       originals_; ///< empty without periodic sides

@@ -3,6 +3,7 @@
 
 #include <pkg/mpm/grid/Grid.hpp>
 
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -61,6 +62,21 @@ public:
 	/// twice long: to what the slopes of such points behind it, times their width, add up to. A pressure on the face then balances
 	/// the same stress in all points behind; put at the middle of the point it leaves stripes, for the face is where ground ends.
 	void moveToFace(const Grid<D>& grid, const Vec<D>& toFace, int point, WeightBlock<D>& weights) const;
+	/// The mean of the values at both faces of each point along the first axis, for points of these sizes in the plane, by place: the radius times a
+	/// pressure in them then adds up to nothing at a node, as around it, also beside the axis.
+	template <class Size> WeightBlock<D> meanOfFaces(const Grid<D>& grid, Size&& size, const WeightBlock<D>& weights) const
+	{
+		WeightBlock<D> mean = weights;
+		for (int k = 0; k < mean.count; ++k) {
+			double slope[supportNodes];
+			for (int i = 0; i < supportNodes; ++i)
+				slope[i] = mean.slope[0][i][k] * grid.spacing();
+			const double curvature = faceCurvature(slope, std::sqrt(size(mean.first + k)) * grid.inverseSpacing());
+			for (int i = 0; i < supportNodes; ++i)
+				mean.value[0][i][k] += (i == 1 ? -2.0 : 1.0) * curvature;
+		}
+		return mean;
+	}
 
 protected:
 	/// Factors and slopes along one axis; adds the axis' share to base.

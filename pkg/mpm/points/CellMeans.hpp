@@ -9,10 +9,12 @@
 namespace talik {
 
 /// Shares of the direct strains in what B-bar adds to their sum, one in all: equal ones, but none for the thickness of a slice of space.
-/// Between two smooth walls it strains as the plane does, where that outside it has none either (de Souza Neto et al. 1996).
-template <int D> Vec<D> traceShares(const Grid<D>& grid)
+/// Between two smooth walls it strains as the plane does, where that outside it has none either (de Souza Neto et al. 1996). Third in the plane:
+/// that around an axis.
+template <int D> Vec<3> traceShares(const Grid<D>& grid)
 {
-	Vec<D> share;
+	if (grid.isTurned()) return { 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0 };
+	Vec<3> share {};
 	for (int a = 0; a < D; ++a)
 		share[a] = !grid.isSlice() ? 1.0 / D : grid.cells(a) > 1 ? 0.5 : 0.0;
 	return share;

@@ -28,14 +28,20 @@ namespace {
 
 template <>
 TALIK_PROCESSOR_VERSIONS void updateElastic<2>(
-        int count, const double* lambda, const double* shear, const std::array<const double*, 4>& gradient, const std::array<double*, 4>& stress)
+        int count, const double* lambda, const double* shear, const std::array<const double*, 4>& gradient, const std::array<double*, 4>& stress,
+        const double* hoop)
 {
 	update<2>(count, lambda, shear, gradient, stress);
+	for (int p = 0; hoop && p < count; ++p) {
+		const double strain = midpointHoop(hoop[p]);
+		for (int c = 0; c < 3; ++c)
+			stress[c][p] += (c < 2 ? lambda[p] : lambda[p] + 2.0 * shear[p]) * strain;
+	}
 }
 
 template <>
 TALIK_PROCESSOR_VERSIONS void updateElastic<3>(
-        int count, const double* lambda, const double* shear, const std::array<const double*, 9>& gradient, const std::array<double*, 6>& stress)
+        int count, const double* lambda, const double* shear, const std::array<const double*, 9>& gradient, const std::array<double*, 6>& stress, const double*)
 {
 	update<3>(count, lambda, shear, gradient, stress);
 }

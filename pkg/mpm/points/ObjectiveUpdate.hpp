@@ -131,10 +131,13 @@ template <class T, std::size_t n> std::array<T*, n> from(std::array<T*, n> field
 }
 
 /// Hooke's law for the midpoint increments of count points in sequence: displacement gradient and stress [Pa] begin with the first, order
-/// of stressIndex<D>(); Lame's moduli of each [Pa].
+/// of stressIndex<D>(); Lame's moduli of each [Pa]. hoop: strain zz of the step in the plane about an axis; null: none.
 template <int D>
 void updateElastic(
         int count, const double* lambda, const double* shear, const std::array<const double*, D * D>& gradient,
-        const std::array<double*, stressSize<D>>& stress);
+        const std::array<double*, stressSize<D>>& stress, const double* hoop = nullptr);
+
+/// The same strain at the middle of the step, as MidpointIncrement has the others.
+inline double midpointHoop(double hoop) { return hoop / (1.0 + 0.5 * hoop); }
 
 } // namespace talik

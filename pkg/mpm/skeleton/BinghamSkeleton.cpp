@@ -46,13 +46,6 @@ template <int D> void BinghamSkeleton<D>::updateStress(const SkeletonBatch<D>& b
 	updateElasticBatch<D>(b, LameModuli(young, poisson), [&](int first, int count) { flow(b, first, count); });
 }
 
-template <int D> void BinghamSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
-{
-	const double m = LameModuli(young, poisson).oedometer();
-	for (int k = 0; k < b.count; ++k)
-		modulus[b.place[k]] = m;
-}
-
 TALIK_IN_PLANE_AND_SPACE(BinghamSkeleton);
 
 } // namespace talik

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/base/ParameterList.hpp>
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 
 /// Parameters of BinghamSkeleton, for the model and for the class that a script sees.
@@ -25,10 +26,11 @@ public:
 
 	std::string                  name() const override { return "BinghamSkeleton"; }
 	std::optional<ShearStrength> shearStrength(double iceSaturation) const override { return ShearStrength { 0.0, yieldStressAt(iceSaturation) }; }
+	bool                         knowsHoopStrain() const override { return true; }
 	void                         validate() const override;
 	void                         declareFields(PointFields&, const std::string& prefix) override;
 	void                         updateStress(const SkeletonBatch<D>&) override;
-	void                         tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
+	void tangentModulus(const SkeletonBatch<D>& b, double* modulus) const override { b.fill(modulus, LameModuli(young, poisson).oedometer()); }
 
 private:
 	double yieldStressAt(double iceSaturation) const { return yieldStress + (yieldStressFrozen - yieldStress) * iceSaturation; }

@@ -56,13 +56,6 @@ template <int D> void CreepingSkeleton<D>::updateStress(const SkeletonBatch<D>& 
 	});
 }
 
-template <int D> void CreepingSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
-{
-	const double m = LameModuli(young, poisson).oedometer();
-	for (int k = 0; k < b.count; ++k)
-		modulus[b.place[k]] = m;
-}
-
 TALIK_IN_PLANE_AND_SPACE(CreepingSkeleton);
 
 } // namespace talik

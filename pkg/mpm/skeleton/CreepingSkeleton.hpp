@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pkg/base/ParameterList.hpp>
+#include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 
 #include <functional>
@@ -27,10 +28,11 @@ public:
 
 	std::string name() const override { return "CreepingSkeleton"; }
 	bool        canFail() const override { return false; }
+	bool        knowsHoopStrain() const override { return true; }
 	void        validate() const override;
 	void        declareFields(PointFields&, const std::string& prefix) override;
 	void        updateStress(const SkeletonBatch<D>&) override;
-	void        tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
+	void        tangentModulus(const SkeletonBatch<D>& b, double* modulus) const override { b.fill(modulus, LameModuli(young, poisson).oedometer()); }
 
 	/// tau [Pa] with tau + compliance tau^n = trial; compliance: 2 G A t [Pa^(1-n)].
 	static double relaxed(double trial, double compliance, double exponent);

@@ -17,13 +17,6 @@ template <int D> void ElasticSkeleton<D>::updateStress(const SkeletonBatch<D>& b
 	updateElasticBatch<D, 1024, 4000>(b, LameModuli(young, poisson), [](int, int) {});
 }
 
-template <int D> void ElasticSkeleton<D>::tangentModulus(const SkeletonBatch<D>& b, double* modulus) const
-{
-	const double m = LameModuli(young, poisson).oedometer();
-	for (int k = 0; k < b.count; ++k)
-		modulus[b.place[k]] = m;
-}
-
 TALIK_IN_PLANE_AND_SPACE(ElasticSkeleton);
 
 } // namespace talik

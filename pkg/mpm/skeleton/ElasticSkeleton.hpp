@@ -31,7 +31,7 @@ template <int D, int Piece = 256, int Parallel = 2000, class After> void updateE
 			const int first = k, place = b.place[k];
 			while (k < end && b.place[k] == place + (k - first))
 				++k;
-			updateElastic<D>(k - first, lambda, shear, from(b.gradient, place), from(b.stress, place));
+			updateElastic<D>(k - first, lambda, shear, from(b.gradient, place), from(b.stress, place), b.hoopFrom(place));
 			after(place, k - first);
 		}
 	});
@@ -45,9 +45,10 @@ public:
 
 	std::string name() const override { return "ElasticSkeleton"; }
 	bool        canFail() const override { return false; }
+	bool        knowsHoopStrain() const override { return true; }
 	void        validate() const override;
 	void        updateStress(const SkeletonBatch<D>&) override;
-	void        tangentModulus(const SkeletonBatch<D>&, double* modulus) const override;
+	void        tangentModulus(const SkeletonBatch<D>& b, double* modulus) const override { b.fill(modulus, LameModuli(young, poisson).oedometer()); }
 };
 
 } // namespace talik

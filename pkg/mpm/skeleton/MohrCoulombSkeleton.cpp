@@ -262,7 +262,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& 
 		shear[k]  = piece.young[k] * unit.shear;
 	}
 	const std::array<double*, stressSize<D>> stress = from(b.stress, first);
-	updateElastic<D>(count, lambda, shear, from(b.gradient, first), stress);
+	updateElastic<D>(count, lambda, shear, from(b.gradient, first), stress, b.hoopFrom(first));
 
 	long long yielding[pieceSize];
 	findYielding(m, piece.cohesion, piece.tensileStrength, stress, count, yielding);
@@ -326,8 +326,8 @@ template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBa
 		takeIceOff(count, parts.keptIce, stress[c], ice[c]);
 		if (c < 3) addTo(count, parts.hidden, stress[c]);
 	}
-	updateElastic<D>(count, parts.grainLambda, parts.grainShear, from(b.gradient, first), stress);
-	updateElastic<D>(count, parts.iceLambda, parts.iceShear, from(b.gradient, first), ice);
+	updateElastic<D>(count, parts.grainLambda, parts.grainShear, from(b.gradient, first), stress, b.hoopFrom(first));
+	updateElastic<D>(count, parts.iceLambda, parts.iceShear, from(b.gradient, first), ice, b.hoopFrom(first));
 	for (int c = 0; c < stressSize<D>; ++c)
 		addTo(count, ice[c], stress[c]);
 	std::fill_n(fields_->component(opening_) + first, count, 0.0); // limitSum() finds it anew

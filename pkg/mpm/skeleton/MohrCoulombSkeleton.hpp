@@ -47,6 +47,7 @@ public:
 
 	std::string                  name() const override { return "MohrCoulombSkeleton"; }
 	std::optional<ShearStrength> shearStrength(double iceSaturation) const override;
+	bool                         knowsHoopStrain() const override { return true; }
 	void                         validate() const override;
 	void                         declareFields(PointFields&, const std::string& prefix) override;
 	void                         initialise(const SkeletonBatch<D>&) override;

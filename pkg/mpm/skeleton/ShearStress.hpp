@@ -48,6 +48,7 @@ template <int D> std::array<double, stressSize<D>> strainRate(const SkeletonBatc
 	std::array<double, stressSize<D>> rate {};
 	for (int c = 0; c < D * (D + 1) / 2; ++c)
 		rate[stressOfStrain<D>(c)] = increment.strain[c] / batch.time.motion;
+	if (batch.hoop) rate[2] = midpointHoop(batch.hoop[place]) / batch.time.motion;
 	return rate;
 }
 

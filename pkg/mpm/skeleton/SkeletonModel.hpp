@@ -36,6 +36,13 @@ struct SkeletonPoints {
 	const double* temperature   = nullptr; ///< [degC]; nullptr in ground without heat
 	StepTime      time;
 	int           strip = 0; ///< whose points these are, for a model that sees strips
+
+	/// Gives all of them one value, by place.
+	void fill(double* values, double value) const
+	{
+		for (int k = 0; k < count; ++k)
+			values[place[k]] = value;
+	}
 };
 
 /// What the model of some points reads and writes besides.
@@ -43,6 +50,9 @@ template <int D> struct SkeletonBatch : SkeletonPoints {
 	/// Displacement gradient of this step, Delta t dv_i/dx_j at [i*D+j] [-], with B-bar: the divergence is
 	/// the volume-weighted mean of the cell. F_new = (1 + gradient) F_old.
 	std::array<const double*, D * D> gradient {};
+	/// Direct strain of this step around the axis, component zz, in a plane that turns; null: zero.
+	const double* hoop = nullptr;
+	const double* hoopFrom(int first) const { return hoop ? hoop + first : nullptr; }
 	/// Effective Cauchy stress [Pa], tension positive, to be updated in place; order of stressIndex<D>().
 	std::array<double*, stressSize<D>> stress {};
 };
@@ -72,6 +82,9 @@ public:
 		(void)iceSaturation;
 		return {};
 	}
+
+	/// False if it takes the strain around the axis of a turned plane for zero.
+	virtual bool knowsHoopStrain() const { return false; }
 
 	/// Declares fields of its own on the points (they are sorted and checkpointed with the rest); prefix makes names unique.
 	virtual void declareFields(PointFields&, const std::string& prefix) { (void)prefix; }

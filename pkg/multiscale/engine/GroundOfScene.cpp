@@ -50,7 +50,7 @@ namespace {
 	template <int D> talik::GroundSettings<D> settingsOf(const MpmEngine& engine)
 	{
 		talik::GroundSettings<D> s;
-		TALIK_TAKE_ATTRIBUTES(s, engine, (gridSpacing)(shapeFunction)(energyLedger)(poreFill)(courantNumber)(heatFraction))
+		TALIK_TAKE_ATTRIBUTES(s, engine, (gridSpacing)(shapeFunction)(axisymmetric)(energyLedger)(poreFill)(courantNumber)(heatFraction))
 		placeBox(engine, s);
 		s.mixture   = engine.activeMaterials().front()->build();
 		s.materials = engine.soils();

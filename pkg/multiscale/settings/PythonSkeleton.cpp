@@ -62,12 +62,9 @@ public:
 				fields_->component(states_[s])[b.place[k]] = script_.statesAtStart[s];
 	}
 
-	void tangentModulus(const SkeletonBatch<D>& b, double* modulus) const override
-	{
-		for (int k = 0; k < b.count; ++k)
-			modulus[b.place[k]] = script_.modulus;
-	}
+	void tangentModulus(const SkeletonBatch<D>& b, double* modulus) const override { b.fill(modulus, script_.modulus); }
 
+	bool knowsHoopStrain() const override { return true; }
 	bool seesStrips() const override { return script_.byStrips; }
 
 	void updateStress(const SkeletonBatch<D>& b) override
@@ -115,7 +112,7 @@ private:
 				stress[k * size + c] = b.stress[c][place];
 			const MidpointIncrement<D> increment(gradient + k * D * D);
 			increment.rotate(stress + k * size);
-			if (D == 2) strain[k * size + 2] = 0;
+			if (D == 2) strain[k * size + 2] = b.hoop ? midpointHoop(b.hoop[place]) : 0;
 			for (int c = 0; c < D * (D + 1) / 2; ++c)
 				strain[k * size + stressOfStrain<D>(c)] = increment.strain[c];
 			for (int s = 0; s < states(); ++s)
