@@ -156,17 +156,18 @@ template <int D> static void checkAxis(const GroundSettings<D>& s)
 
 template <int D> void closeAxis(GroundSettings<D>& s)
 {
-	bool closed = s.lower[0] > 0.0;
+	const bool reached = s.lower[0] == 0.0;
+	bool       closed  = !reached || !s.motion;
 	for (const auto& b : s.boundaries) {
 		if (!b || b->region().kind != Region<D>::Kind::side || b->region().on.axis != 0) continue;
-		if (b->joinsSides()) throw std::invalid_argument("PeriodicBoundary in axisymmetric ground joins two radii: leave it out");
-		if (b->region().on.upper || s.lower[0] > 0.0) continue;
-		if (b->name() != "RollerBoundary" && b->name() != "InsulatedBoundary")
+		const bool onAxis = reached && !b->region().on.upper, closes = onAxis && b->name() == "RollerBoundary";
+		if (b->joinsSides() || (onAxis && !closes && b->name() != "InsulatedBoundary"))
 			throw std::invalid_argument(
-			        b->name() + " on left of axisymmetric ground: the axis has no area; remove it, or let the box begin at a radius");
-		closed = closed || b->name() == "RollerBoundary";
+			        b->name()
+			        + " on left of axisymmetric ground: an axis has no area and no other side; leave it out, or let the box begin at a radius");
+		closed = closed || closes;
 	}
-	if (!closed && s.motion) s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side("left")));
+	if (!closed) s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side("left")));
 }
 
 template <int D> void checkSettings(const GroundSettings<D>& s)

@@ -134,6 +134,8 @@ def factorOfSafety(mpm, accuracy=0.01, skeleton=None, between=(0.25, 4.0), told=
 	>>> layers = talik.layers.fill(bank, {"clay": dict(polygon=[(0, 0), (14, 0), (6, 6), (0, 6)])}, lateralRatio=0.5)
 	>>> print(talik.slope.factorOfSafety(bank, accuracy=0.1))
 	factor of safety 1.61: the ground stands with its strength over 1.542 and fails with 1.682"""
+	if mpm.axisymmetric:
+		raise ValueError("factorOfSafety: the ground is axisymmetric, and slopes are in plane strain or in space; leave axisymmetric out")
 	lowest, highest = between
 	if not 0.001 <= accuracy <= 0.2:
 		raise ValueError(f"factorOfSafety: accuracy is {accuracy!r}; give a part of the factor, 0.001 to 0.2")

@@ -465,3 +465,22 @@ def test_skemptons_b_is_that_of_the_softest_point_with_its_own_porosity():
 	expected = 1 / (1 + 1e8 * 0.5 / 2.2e9)
 	print(f"Skempton's B {mpm.skemptonB():.6f}, 1/(1 + M n/K_w) of the softest point {expected:.6f}")
 	assert mpm.skemptonB() == pytest.approx(expected, rel=1e-6)
+
+
+def test_ground_about_an_axis_is_filled_with_the_mass_of_a_cylinder():
+	"""Per radian; strain has the part around the axis, and what has no radius is refused by name."""
+	mpm = MpmEngine(gridSpacing=0.1, axisymmetric=True, lower=(0, 0), upper=(0.6, 1), gravity=(0, -9.81), damping=0.5, skeleton=ElasticSkeleton(young=1e6))
+	mpm.boundaries = [RollerBoundary(region="bottom")]
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.5, 1), porosity=0.4)
+	O.engines = [mpm]
+	O.run(5, True)
+	mass, exact = mpm.balance()["solidMass"], 0.5**2 / 2 * 1 * 0.6 * mpm.material.grainDensity
+	strain, volume = mpm.field("strain"), mpm.field("volume")
+	radial = np.log(mpm.field("position")[:, 0] / (mpm.field("position") - mpm.field("displacement"))[:, 0])
+	print(f"mass of a radian {mass:.6g} kg (exact {exact:.6g}), volumes in the plane {volume.sum():.6g} m2 (exact 0.5)")
+	assert abs(mass / exact - 1) < 1e-9 and abs(volume.sum() / 0.5 - 1) < 1e-3
+	assert strain.shape == (len(volume), 6) and np.allclose(strain[:, 2], radial, atol=1e-12)
+	mpm = MpmEngine(gridSpacing=0.1, axisymmetric=True, lower=(0, 0), upper=(1, 1), skeleton=ElasticSkeleton(), bodies=BodyContact())
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.5, 0.5))
+	with pytest.raises(ValueError, match="axisymmetric = true with bodies"):
+		mpm.initialise()

@@ -65,6 +65,7 @@ template <int D> void SolidMotion<D>::gather(const WeightBlock<D>& w, double dt,
 	nodeLoops<D>().gatherMotion(w, { solved[0], velocity, position, displacement, gradient, kept, dt, increment });
 }
 
+/// With the weights of eq. (29.1), as in gatherHoop().
 template <int D> void SolidMotion<D>::mapHoop(const WeightBlock<D>& w)
 {
 	for (int k = 0; k < w.count; ++k) {
