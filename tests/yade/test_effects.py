@@ -474,7 +474,7 @@ def test_ground_about_an_axis_is_filled_with_the_mass_of_a_cylinder():
 	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, 0.5, 1), porosity=0.4)
 	O.engines = [mpm]
 	O.run(5, True)
-	mass, exact = mpm.balance()["solidMass"], 0.5**2 / 2 * 1 * 0.6 * mpm.material.grainDensity
+	mass, exact = mpm.balance()["solidMass"], 0.5**2 / 2 * 1 * 0.6 * mpm.material.solidDensity
 	strain, volume = mpm.field("strain"), mpm.field("volume")
 	radial = np.log(mpm.field("position")[:, 0] / (mpm.field("position") - mpm.field("displacement"))[:, 0])
 	print(f"mass of a radian {mass:.6g} kg (exact {exact:.6g}), volumes in the plane {volume.sum():.6g} m2 (exact 0.5)")
