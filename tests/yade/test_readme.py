@@ -6,8 +6,6 @@ import re
 import subprocess
 from pathlib import Path
 
-import numpy as np
-
 import talik
 
 import yade
@@ -33,28 +31,6 @@ def test_python_of_the_readme_runs_in_a_yade_console_and_shows_what_its_comments
 	assert event["largest"] > 1 and min(broken) > 0 and mpm.field("iceSaturation").min() == 0
 	assert all((tmp_path / file).stat().st_size > 1000 for file in ("slope.png", "sample.yade.gz"))
 	yade.O.reset()
-
-
-def test_the_slope_of_the_readme_rests_when_all_has_thawed_slow(tmp_path, monkeypatch):
-	monkeypatch.chdir(tmp_path)
-	names = dict(vars(yade))
-	names["O"] = yade.O
-	yade.O.reset()
-	exec(compile(blocks("python")[0], "README.md", "exec"), names)
-	mpm = names["mpm"]
-	start = mpm.field("position") - mpm.field("displacement")
-	crest = (start[:, 0] < 1.5) & (start[:, 1] > 2.25)
-	paths = []
-	for day in (100, 200, 300, 400):
-		talik.runUntilDay(mpm, day)
-		paths.append(1e3 * mpm.field("displacement")[crest].mean(axis=0))
-	more = [float(np.linalg.norm(later - earlier)) for earlier, later in zip(paths, paths[1:])]
-	print(
-		f"ice saturation {mpm.field('iceSaturation').mean():.2f}; the crest has moved by {', '.join(f'({x:.1f}, {y:.1f})' for x, y in paths)} mm until days 100,"
-	)
-	print(f"200, 300 and 400: by {', '.join(f'{path:.2f}' for path in more)} mm in 100 days (at rest: 0, tolerance 1 mm in the last)")
-	yade.O.reset()
-	assert more[-1] < 1
 
 
 def test_commands_of_the_readme_exist_and_explain_themselves():
