@@ -9,13 +9,8 @@ namespace talik {
 template <int D>
 Calendar<D>::Calendar(PointFields& fields, const HeatSettings& settings)
         : settings_(&settings)
-        , handle_(fields.declare("displacementBefore", "calendar", "m", D))
-{}
-
-template <int D> void Calendar<D>::bind(MaterialPoints<D>& points)
 {
-	for (int a = 0; a < D; ++a)
-		before_[a] = points.fields().component(handle_, a);
+	fields.declare("displacementBefore", "calendar", "m", before_);
 }
 
 template <int D> double Calendar<D>::scale(const CalendarState& state, double dt) const

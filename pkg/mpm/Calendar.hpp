@@ -55,7 +55,6 @@ struct ConductingPoints {
 template <int D> class Calendar {
 public:
 	Calendar(PointFields& fields, const HeatSettings& settings);
-	void bind(MaterialPoints<D>& points);
 
 	/// Scale of a step of length dt [s].
 	double scale(const CalendarState& state, double dt) const;
@@ -81,7 +80,6 @@ private:
 	void                            measureEvent(MotionEvent& event, const PointsInMotion<D>& points, const Strips& strips, SlabDecomposition* slabs) const;
 
 	const HeatSettings*    settings_;
-	PointFields::Handle    handle_;
 	std::array<double*, D> before_ {}; ///< displacement of the points when the event began
 	/// Least heat capacity over volume and conductivity [s/m^2], and the square of the largest speed [m^2/s^2].
 	struct Measured {

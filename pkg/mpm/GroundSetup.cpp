@@ -119,7 +119,6 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (motion) motion->bind(*points, grid);
 	if (bodies) bodies->bind(*points, *motion);
 	if (bodies && facesBodies()) bodies->allocateFaces(grid);
-	if (affine) affine->bind(*points);
 	if (motion)
 		inMotion = { points->positions(), readOnly(motion->velocity), readOnly(motion->gradient),     readOnly(motion->stress), motion->mass,
 			     points->volume(),    motion->addedStress,        readOnly(motion->displacement), motion->initialVolume };
@@ -136,7 +135,6 @@ template <int D> void Ground<D>::Parts::bindEffects()
 		content->holdExcessIce(segregation->volume, segregation->iceMass);
 	}
 	if (compression) compression->bind(*points, content->porosity, content->iceSaturation, grid.cellCount());
-	if (calendar) calendar->bind(*points);
 	if (motion) skeletons.bind(settings.skeletons, *points, arraysOfSkeletons());
 	shareRecords();
 	if (surface) {

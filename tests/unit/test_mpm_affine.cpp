@@ -37,7 +37,6 @@ template <int D> struct RandomPoints {
 		motion.kept       = 0.0;
 		points.allocate(D == 2 ? 300 : 600);
 		motion.bind(points, grid);
-		affine.bind(points);
 		for (int p = 0; p < points.count(); ++p) {
 			for (int a = 0; a < D; ++a) {
 				points.position(a)[p] = uniform(0.15, 0.85);

@@ -6,13 +6,8 @@ namespace talik {
 template <int D>
 AffineVelocity<D>::AffineVelocity(PointFields& fields, VelocityTransfer transfer)
         : transfer_(transfer)
-        , gradient_(fields.declare("affineVelocity", "transfer", "1/s", D * D))
-{}
-
-template <int D> void AffineVelocity<D>::bind(MaterialPoints<D>& points)
 {
-	for (int c = 0; c < D * D; ++c)
-		gradient[c] = points.fields().component(gradient_, c);
+	fields.declare("affineVelocity", "transfer", "1/s", gradient);
 }
 
 template <int D> void AffineVelocity<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, SolidMotion<D>& motion) const

@@ -13,7 +13,6 @@ template <int D> class AffineVelocity {
 public:
 	/// transfer: apic or tpic.
 	AffineVelocity(PointFields& fields, VelocityTransfer transfer);
-	void bind(MaterialPoints<D>& points);
 
 	/// Adds the momentum of the gradients of a block to the nodes.
 	void map(const Grid<D>& grid, const WeightBlock<D>& w, SolidMotion<D>& motion) const;
@@ -85,8 +84,7 @@ private:
 	}
 	template <bool Apic> void gatherBlock(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const;
 
-	VelocityTransfer    transfer_;
-	PointFields::Handle gradient_;
+	VelocityTransfer transfer_;
 };
 
 } // namespace talik

@@ -21,8 +21,7 @@ public:
 
 	std::string name() const override { return "bulk viscosity"; }
 	void        validate(const GroundSettings<D>&) const override;
-	void        declareFields(PointFields& fields) override { handle_ = fields.declare("viscousStress", name(), "Pa", 1); }
-	void        start(PointFields& fields, int, int) override { stress_ = fields.component(handle_); }
+	void        declareFields(PointFields& fields) override { fields.declare("viscousStress", name(), "Pa", stress_); }
 	bool        addsStress() const override { return true; }
 	void        addStress(const StepContext<D>&, const PointsInMotion<D>& points, int first, int last) const override;
 	void        followStrain(const StepContext<D>& step, const PointsInMotion<D>& points, int first, int last, StepAccount<D>& account) override;
@@ -31,8 +30,7 @@ public:
 	double largestStep(const PointsInMotion<D>& points, int place, double spacing) const override;
 
 private:
-	PointFields::Handle handle_ = -1;
-	double*             stress_ = nullptr; ///< tension positive [Pa]
+	double* stress_ = nullptr; ///< tension positive [Pa]
 };
 
 } // namespace talik

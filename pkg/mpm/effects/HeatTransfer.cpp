@@ -27,22 +27,17 @@ template <int D>
 HeatTransfer<D>::HeatTransfer(PointFields& fields, const HeatSettings& heat, bool freezing)
         : settings(&heat)
 {
-	enthalpy_     = fields.declare("enthalpy", "heat", "J", 1);
-	temperature_  = fields.declare("temperature", "heat", "degC", 1);
-	heatCapacity_ = fields.declare("heatCapacity", "heat", "J/K", 1);
-	conductivity_ = fields.declare("conductivity", "heat", "W/(m K)", 1);
-	if (freezing) weight_ = fields.declare("heatShare", "freezing", "J/K", 1);
+	fields.declare("enthalpy", "heat", "J", enthalpy);
+	fields.declare("temperature", "heat", "degC", temperature);
+	fields.declare("heatCapacity", "heat", "J/K", heatCapacity);
+	fields.declare("conductivity", "heat", "W/(m K)", conductivity);
+	if (freezing) fields.declare("heatShare", "freezing", "J/K", capacityWeight);
 }
 
 template <int D> void HeatTransfer<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid)
 {
-	PointFields& f = points.fields();
-	enthalpy       = f.component(enthalpy_);
-	temperature    = f.component(temperature_);
-	heatCapacity   = f.component(heatCapacity_);
-	conductivity   = f.component(conductivity_);
-	capacityWeight = weight_ < 0 ? heatCapacity : f.component(weight_);
-	volume         = points.volume();
+	if (!capacityWeight) capacityWeight = heatCapacity;
+	volume = points.volume();
 	for (int a = 0; a < D; ++a)
 		position_[a] = points.position(a);
 	nodes.allocate(grid.nodeCount());

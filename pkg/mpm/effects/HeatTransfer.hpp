@@ -116,7 +116,6 @@ private:
 	TALIK_PROCESSOR_VERSIONS void warm(int first, int count, const double* gained);
 	double                        smoothing(const StepContext<D>& step) const { return -std::expm1(-step.calendarDt / smoothingTime); }
 
-	PointFields::Handle          enthalpy_, temperature_, heatCapacity_, conductivity_, weight_ = -1;
 	std::vector<TemperatureNode> prescribed_;
 	std::vector<char>            isPrescribed_; ///< by how many walls
 	struct HeldNode {

@@ -20,18 +20,16 @@ namespace {
 	constexpr double leftOfDifference = 1e-9;
 } // namespace
 
-template <int D>
-ImplicitPressure<D>::ImplicitPressure(PointFields& fields)
-        : seepageField_(fields.declare("seepageVelocity", "water", "m/s", D))
-        , accelerationField_(fields.declare("groundAcceleration", "water", "m/s^2", D))
-{}
+template <int D> ImplicitPressure<D>::ImplicitPressure(PointFields& fields)
+{
+	fields.declare("seepageVelocity", "water", "m/s", seepage);
+	fields.declare("groundAcceleration", "water", "m/s^2", acceleration_);
+}
 
 template <int D> void ImplicitPressure<D>::bind(MaterialPoints<D>& points, const std::array<double*, D>& solidVelocity)
 {
 	for (int a = 0; a < D; ++a) {
-		seepage[a]       = points.fields().component(seepageField_, a);
-		acceleration_[a] = points.fields().component(accelerationField_, a);
-		velocity_[a]     = solidVelocity[a];
+		velocity_[a] = solidVelocity[a];
 		startVelocity_[a].reset(points.count());
 	}
 }

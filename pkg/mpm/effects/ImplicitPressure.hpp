@@ -175,7 +175,6 @@ private:
 	std::vector<double>               partial_;
 	double                            checkerboard_ = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
 	double                            cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0, lowest_ = 0.0; ///< lowest_: cavitation pressure [Pa]
-	PointFields::Handle               seepageField_, accelerationField_;
 	std::array<double*, D>            velocity_, acceleration_;
 	std::array<PagedArray<double>, D> startVelocity_; ///< of the ground of points at the start of the step [m/s]
 	bool                              fed_    = false;

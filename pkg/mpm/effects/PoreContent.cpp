@@ -31,31 +31,23 @@ PoreContent<D>::PoreContent(PointFields& fields, const GroundSettings<D>& settin
 	if (settings.water)
 		for (Material& m : materials_)
 			m.enthalpy.letWaterFillPores(settings.water->state.densityChange ? m.mixture.ice.density : m.mixture.liquid.density);
-	solidMass_ = fields.declare("solidMass", "poreContent", "kg", 1);
-	waterMass_ = fields.declare("waterMass", "poreContent", "kg", 1);
-	porosity_  = fields.declare("porosity", "poreContent", "-", 1);
+	fields.declare("solidMass", "poreContent", "kg", solidMass);
+	fields.declare("waterMass", "poreContent", "kg", waterMass);
+	fields.declare("porosity", "poreContent", "-", porosity);
 	if (settings.freezing) {
-		iceMass_       = fields.declare("iceMass", "freezing", "kg", 1);
-		iceSaturation_ = fields.declare("iceSaturation", "freezing", "-", 1);
+		fields.declare("iceMass", "freezing", "kg", iceMass);
+		fields.declare("iceSaturation", "freezing", "-", iceSaturation);
 	}
 	if (settings.water && settings.water->state.massCoefficient == MassCoefficient::printed) {
-		lastVolumeField_ = fields.declare("lastVolume", "water", "m^D", 1);
-		lastWaterField_  = fields.declare("lastWaterMass", "water", "kg", 1);
+		fields.declare("lastVolume", "water", "m^D", lastVolume_);
+		fields.declare("lastWaterMass", "water", "kg", lastWater_);
 	}
 }
 
 template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points)
 {
-	PointFields& f = points.fields();
-	solidMass      = f.component(solidMass_);
-	waterMass      = f.component(waterMass_);
-	porosity       = f.component(porosity_);
-	iceMass        = f.component(iceMass_);
-	iceSaturation  = f.component(iceSaturation_);
-	lastVolume_    = f.component(lastVolumeField_);
-	lastWater_     = f.component(lastWaterField_);
-	volume_        = points.volume();
-	points_        = &points;
+	volume_ = points.volume();
+	points_ = &points;
 }
 
 template <int D> SeepageScales PoreContent<D>::useScale(double f, const PoreWater<D>& water)

@@ -163,8 +163,7 @@ private:
 
 	const GroundSettings<D>* settings_;
 	std::vector<Material>    materials_; ///< one where the settings list none
-	MaterialPoints<D>*       points_ = nullptr;
-	PointFields::Handle      solidMass_, waterMass_, porosity_, iceMass_ = -1, iceSaturation_ = -1, lastVolumeField_ = -1, lastWaterField_ = -1;
+	MaterialPoints<D>*       points_       = nullptr;
 	double*                  volume_       = nullptr;
 	const double*            excessVolume_ = nullptr; ///< see holdExcessIce; null: there is none
 	double*                  excessIce_    = nullptr;

@@ -24,22 +24,16 @@ template <int D>
 PoreWater<D>::PoreWater(PointFields& fields, const WaterSettings& water)
         : settings(&water)
 {
-	velocity_       = fields.declare("liquidVelocity", "water", "m/s", D);
-	pressure_       = fields.declare("pressure", "water", "Pa", 1);
-	liquidFraction_ = fields.declare("liquidFraction", "water", "-", 1);
-	drag_           = fields.declare("drag", "water", "kg/s", 1);
+	fields.declare("liquidVelocity", "water", "m/s", velocity);
+	fields.declare("pressure", "water", "Pa", pressure);
+	fields.declare("liquidFraction", "water", "-", liquidFraction);
+	fields.declare("drag", "water", "kg/s", drag);
 }
 
 template <int D>
 void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const double* iceMass, const double* temperature, const double* waterMass)
 {
-	PointFields& f = points.fields();
-	for (int i = 0; i < D; ++i)
-		velocity[i] = f.component(velocity_, i);
-	pressure       = f.component(pressure_);
-	liquidFraction = f.component(liquidFraction_);
-	drag           = f.component(drag_);
-	volume_        = points.volume();
+	volume_ = points.volume();
 	for (int a = 0; a < D; ++a)
 		position_[a] = points.position(a);
 	waterMass_   = waterMass;

@@ -262,7 +262,6 @@ private:
 	PagedArray<PointFill>        fills_;
 	Vec<D>                       along_ {}, lifted_ {}; ///< weight along axes with periodic sides, and along the others [N/m^3]
 	std::vector<char>            open_;                 ///< nodes through whose surface water may cross in this step
-	PointFields::Handle          velocity_, pressure_, liquidFraction_, drag_;
 	std::array<const double*, D> position_ {};
 	const double *               volume_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *temperature_ = nullptr;
 	std::vector<double>          none_; ///< zeros, in place of the fields of absent effects

@@ -42,14 +42,13 @@ template <int D>
 RigidContact<D>::RigidContact(PointFields& fields, const RigidContactSettings& settings)
         : settings_(settings)
         , stiffness_(settings.stiffness)
-        , memoryField_(fields.declare("bodyContact", "bodies", "-, m", memorySize * contactsPerPoint))
-{}
+{
+	fields.declare("bodyContact", "bodies", "-, m", memory_);
+}
 
 template <int D> void RigidContact<D>::bind(MaterialPoints<D>& points, const SolidMotion<D>& motion)
 {
-	points_ = &points;
-	for (int c = 0; c < memorySize * contactsPerPoint; ++c)
-		memory_[c] = points.fields().component(memoryField_, c);
+	points_   = &points;
 	velocity_ = motion.velocity;
 	mass_     = motion.mass;
 	motion_   = &motion;

@@ -211,7 +211,6 @@ private:
 	RigidContactSettings  settings_;
 	double                stiffness_   = 0.0;
 	double                largestSize_ = 0.0, largestMassPerArea_ = 0.0; ///< of a point at the start [m], [kg/m^(D-1)]
-	PointFields::Handle   memoryField_;
 	MaterialPoints<D>*    points_   = nullptr;
 	const double*         mass_     = nullptr;
 	const SolidMotion<D>* motion_   = nullptr;

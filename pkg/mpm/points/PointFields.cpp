@@ -23,6 +23,7 @@ PointFields::Handle PointFields::declare(const std::string& name, const std::str
 	if (has(name)) throw std::logic_error("field '" + name + "' declared twice, the second time by " + owner);
 	firstArray_.push_back(int(arrays_.size()));
 	arrays_.resize(arrays_.size() + components, nullptr);
+	bound_.resize(arrays_.size(), nullptr);
 	info_.push_back({ name, owner, unit, "points", components, 0, persistent });
 	return Handle(info_.size()) - 1;
 }
@@ -36,6 +37,8 @@ void PointFields::allocate(int count)
 	storage_                   = PagedMemory(total);
 	for (std::size_t i = 0; i < arrays_.size(); ++i)
 		arrays_[i] = reinterpret_cast<double*>(storage_.data() + roundUp(i * perArray, cacheLine));
+	for (std::size_t i = 0; i < arrays_.size(); ++i)
+		if (bound_[i]) *bound_[i] = arrays_[i];
 	for (FieldInfo& f : info_)
 		f.bytes = one * f.components;
 }

@@ -3,6 +3,7 @@
 
 #include <pkg/base/PagedArray.hpp>
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -30,6 +31,18 @@ public:
 
 	/// Declares a field. Throws std::logic_error if the name is taken or storage exists already.
 	Handle declare(const std::string& name, const std::string& owner, const std::string& unit, int components, bool persistent = true);
+	/// The same. The pointers, one for each component, are those of its arrays from allocate() on; they stay where they are.
+	template <std::size_t N>
+	void declare(const std::string& name, const std::string& owner, const std::string& unit, std::array<double*, N>& arrays, bool persistent = true)
+	{
+		const Handle field = declare(name, owner, unit, int(N), persistent);
+		for (std::size_t c = 0; c < N; ++c)
+			bound_[firstArray_[field] + c] = &arrays[c];
+	}
+	void declare(const std::string& name, const std::string& owner, const std::string& unit, double*& array, bool persistent = true)
+	{
+		bound_[firstArray_[declare(name, owner, unit, 1, persistent)]] = &array;
+	}
 
 	/// Allocates all fields for count points, set to zero.
 	void allocate(int count);
@@ -54,6 +67,7 @@ private:
 	std::vector<FieldInfo> info_;
 	std::vector<int>       firstArray_;
 	std::vector<double*>   arrays_;
+	std::vector<double**>  bound_; ///< by array, the pointer that whoever declared it has, or null
 	PagedMemory            storage_;
 	std::vector<double>    scratch_;
 	int                    count_ = 0;

@@ -21,23 +21,21 @@ template <int D> void BinghamSkeleton<D>::validate() const
 
 template <int D> void BinghamSkeleton<D>::declareFields(PointFields& fields, const std::string& prefix)
 {
-	fields_ = &fields;
-	strain_ = fields.declare(prefix + "flowStrain", "BinghamSkeleton", "-", 1);
+	fields.declare(prefix + "flowStrain", "BinghamSkeleton", "-", strain_);
 }
 
 /// Eq. (27.2).
 template <int D> void BinghamSkeleton<D>::flow(const SkeletonBatch<D>& b, int first, int count)
 {
-	const double shear  = LameModuli(young, poisson).shear;
-	const double ratio  = shear * b.time.motion / viscosity;
-	double*      flowed = fields_ ? fields_->component(strain_) : nullptr;
+	const double shear = LameModuli(young, poisson).shear;
+	const double ratio = shear * b.time.motion / viscosity;
 	for (int p = first; p < first + count; ++p) {
 		ShearStress<D> stress(b, p);
 		const double   trial = stress.value(), yield = yieldStressAt(b.iceSaturation ? b.iceSaturation[p] : 0.0);
 		if (!(trial > yield)) continue;
 		const double tau = (trial + ratio * yield) / (1.0 + ratio);
 		stress.become(tau);
-		if (flowed) flowed[p] += (trial - tau) / shear;
+		if (strain_) strain_[p] += (trial - tau) / shear;
 	}
 }
 

@@ -37,8 +37,7 @@ private:
 	/// Of points in sequence, from the trial stress.
 	void flow(const SkeletonBatch<D>&, int first, int count);
 
-	PointFields*        fields_ = nullptr;
-	PointFields::Handle strain_ = -1;
+	double* strain_ = nullptr; ///< of flow; null without a ground
 };
 
 } // namespace talik

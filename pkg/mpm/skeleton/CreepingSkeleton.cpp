@@ -17,8 +17,7 @@ template <int D> void CreepingSkeleton<D>::validate() const
 
 template <int D> void CreepingSkeleton<D>::declareFields(PointFields& fields, const std::string& prefix)
 {
-	fields_ = &fields;
-	strain_ = fields.declare(prefix + "creepStrain", "CreepingSkeleton", "-", 1);
+	fields.declare(prefix + "creepStrain", "CreepingSkeleton", "-", strain_);
 }
 
 template <int D> double CreepingSkeleton<D>::relaxed(double trial, double compliance, double exponent)
@@ -36,7 +35,6 @@ template <int D> double CreepingSkeleton<D>::relaxed(double trial, double compli
 template <int D> void CreepingSkeleton<D>::creep(const SkeletonBatch<D>& b, int first, int count)
 {
 	const double shear = LameModuli(young, poisson).shear;
-	double*      crept = fields_ ? fields_->component(strain_) : nullptr;
 	for (int p = first; p < first + count; ++p) {
 		if (b.iceSaturation && b.iceSaturation[p] == 0.0) continue;
 		ShearStress<D> stress(b, p);
@@ -45,7 +43,7 @@ template <int D> void CreepingSkeleton<D>::creep(const SkeletonBatch<D>& b, int 
 		const double rate = rateFactor(b.temperature ? b.temperature[p] : temperatureWithoutHeat);
 		const double tau  = relaxed(trial, 2.0 * shear * rate * b.time.calendar, exponent);
 		stress.become(tau);
-		if (crept) crept[p] += (trial - tau) / (2.0 * shear);
+		if (strain_) strain_[p] += (trial - tau) / (2.0 * shear);
 	}
 }
 

@@ -41,8 +41,7 @@ private:
 	/// Of points in sequence, from the trial stress.
 	void creep(const SkeletonBatch<D>&, int first, int count);
 
-	PointFields*        fields_ = nullptr;
-	PointFields::Handle strain_ = -1;
+	double* strain_ = nullptr; ///< that has crept; null without a ground
 };
 
 } // namespace talik

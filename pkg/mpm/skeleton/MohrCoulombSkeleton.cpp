@@ -170,21 +170,19 @@ template <int D> typename MohrCoulombSkeleton<D>::AtSaturation MohrCoulombSkelet
 
 template <int D> void MohrCoulombSkeleton<D>::declareFields(PointFields& fields, const std::string& prefix)
 {
-	fields_        = &fields;
-	plasticStrain_ = fields.declare(prefix + "plasticStrain", "MohrCoulombSkeleton", "-", 1);
+	fields.declare(prefix + "plasticStrain", "MohrCoulombSkeleton", "-", plasticStrain_);
 	if (!fields.has("iceSaturation")) return;
-	iceStress_  = fields.declare(prefix + "iceStress", "MohrCoulombSkeleton", "Pa", stressSize<D>);
-	iceModulus_ = fields.declare(prefix + "iceModulus", "MohrCoulombSkeleton", "Pa", 1);
-	opening_    = fields.declare(prefix + "opening", "MohrCoulombSkeleton", "-", 1);
+	fields.declare(prefix + "iceStress", "MohrCoulombSkeleton", "Pa", iceStress_);
+	fields.declare(prefix + "iceModulus", "MohrCoulombSkeleton", "Pa", iceModulus_);
+	fields.declare(prefix + "opening", "MohrCoulombSkeleton", "-", opening_);
 }
 
 template <int D> void MohrCoulombSkeleton<D>::initialise(const SkeletonBatch<D>& b)
 {
-	if (iceModulus_ < 0) return;
-	const double thawed  = at(0.0).young;
-	double*      modulus = fields_->component(iceModulus_);
+	if (!iceModulus_) return;
+	const double thawed = at(0.0).young;
 	for (int k = 0; k < b.count; ++k)
-		modulus[b.place[k]] = std::max(0.0, at(b.iceSaturation[b.place[k]]).young - thawed);
+		iceModulus_[b.place[k]] = std::max(0.0, at(b.iceSaturation[b.place[k]]).young - thawed);
 }
 
 /// Davis 1968: tan(phi) with psi = phi, sin(phi) without dilation, and the same share of the cohesion.
@@ -205,7 +203,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D
 			const int first = k;
 			while (k < end && b.place[k] == b.place[first] + (k - first))
 				++k;
-			if (iceModulus_ >= 0) updateFreezingRun(b, b.place[first], k - first);
+			if (iceModulus_) updateFreezingRun(b, b.place[first], k - first);
 			else updateRun(b, b.place[first], k - first);
 		}
 	});
@@ -247,7 +245,7 @@ template <int D> void MohrCoulombSkeleton<D>::limitTension(double cotangent, int
 
 template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& b, int first, int count)
 {
-	double*          plasticStrain = fields_ ? fields_->component(plasticStrain_) : nullptr;
+	double*          plasticStrain = plasticStrain_;
 	const LameModuli unit(1.0, poisson);
 	MohrCoulombState m;
 	m.sinFriction = std::sin(frictionAngle * degree);
@@ -318,11 +316,11 @@ template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBa
 	lookUp(b.iceSaturation + first, count, piece);
 	const double sine = std::sin(frictionAngle * degree);
 	if (sine > 0.0) limitTension(std::cos(frictionAngle * degree) / sine, count, piece);
-	splitModulus(at(0.0).young, fields_->component(opening_) + first, fields_->component(iceModulus_) + first, count, piece, poisson, parts);
+	splitModulus(at(0.0).young, opening_ + first, iceModulus_ + first, count, piece, poisson, parts);
 	std::array<double*, stressSize<D>> stress, ice;
 	for (int c = 0; c < stressSize<D>; ++c) {
 		stress[c] = b.stress[c] + first;
-		ice[c]    = fields_->component(iceStress_, c) + first;
+		ice[c]    = iceStress_[c] + first;
 		takeIceOff(count, parts.keptIce, stress[c], ice[c]);
 		if (c < 3) addTo(count, parts.hidden, stress[c]);
 	}
@@ -330,7 +328,7 @@ template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBa
 	updateElastic<D>(count, parts.iceLambda, parts.iceShear, from(b.gradient, first), ice, b.hoopFrom(first));
 	for (int c = 0; c < stressSize<D>; ++c)
 		addTo(count, ice[c], stress[c]);
-	std::fill_n(fields_->component(opening_) + first, count, 0.0); // limitSum() finds it anew
+	std::fill_n(opening_ + first, count, 0.0); // limitSum() finds it anew
 	limitSum(first, count, piece, parts, stress);
 }
 
@@ -355,8 +353,8 @@ template <int D> double MohrCoulombSkeleton<D>::openedBy(const MohrCoulombState&
 template <int D>
 void MohrCoulombSkeleton<D>::limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const
 {
-	double* const    plasticStrain = fields_->component(plasticStrain_) + first;
-	double* const    opening       = fields_->component(opening_) + first;
+	double* const    plasticStrain = plasticStrain_ + first;
+	double* const    opening       = opening_ + first;
 	MohrCoulombState m;
 	m.sinFriction = std::sin(frictionAngle * degree);
 	m.cosFriction = std::cos(frictionAngle * degree);
@@ -379,7 +377,7 @@ void MohrCoulombSkeleton<D>::limitSum(int first, int count, const Piece& piece, 
 		opening[k] += taken / (3.0 * m.lambda + 2.0 * m.shear);
 		const double share = parts.iceShear[k] / m.shear;
 		for (int c = 0; c < stressSize<D>; ++c)
-			fields_->component(iceStress_, c)[first + k] += share * (s.component(c) - before.component(c));
+			iceStress_[c][first + k] += share * (s.component(c) - before.component(c));
 	});
 }
 

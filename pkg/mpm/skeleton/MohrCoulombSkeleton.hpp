@@ -84,8 +84,9 @@ private:
 	static double openedBy(const MohrCoulombState& m, const PrincipalStresses<D>& trial, const PrincipalStresses<D>& returned);
 	void          limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
 
-	PointFields*        fields_        = nullptr;
-	PointFields::Handle plasticStrain_ = -1, iceStress_ = -1, iceModulus_ = -1, opening_ = -1;
+	/// By place; null without a ground, all but the first one also without tables of ice.
+	double *                           plasticStrain_ = nullptr, *iceModulus_ = nullptr, *opening_ = nullptr;
+	std::array<double*, stressSize<D>> iceStress_ {};
 };
 
 } // namespace talik

@@ -124,16 +124,10 @@ template <int Dim> std::vector<double> OpenStore<Dim>::measure(std::size_t numbe
 	if (name == "cellSlips") return { 0. };
 	if (name == "sampleIceSaturation") return { sample.iceSaturation() };
 	const OpenStatistics statistics = sample.statistics();
-	if (name == "bondsIntact") return { double(statistics.bondsIntact) };
 	if (name == "bondsFormed") return { double(statistics.bondsFormed) };
 	if (name == "bondsBroken") return { double(statistics.bondsBroken) };
 	if (name == "bondsMelted") return { double(statistics.bondsMelted) };
-	if (name == "contacts") return { double(statistics.contacts) };
-	if (name == "coordinationNumber") return { statistics.coordinationNumber };
-	if (name == "samplePorosity") return { statistics.porosity };
-	if (name == "cellThickness") return { statistics.cellThickness };
-	if (name == "fabric") return components<Dim>(partOf<Dim>(statistics.fabric));
-	refuseMeasure(name);
+	return measureFrom<Dim>(statistics, name);
 }
 
 template <int Dim> std::size_t OpenStore<Dim>::bytes() const

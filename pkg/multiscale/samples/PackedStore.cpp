@@ -98,16 +98,7 @@ template <int Dim> std::vector<double> PackedStore<Dim>::measure(std::size_t sam
 	if (name == "bondsMelted") return { double(s.bondsMelted) };
 	if (name == "sampleIceSaturation") return { s.iceSaturation };
 	if (name == "cellSlips") return { double(s.cellSlips) };
-	if (name != "bondsIntact" && name != "contacts" && name != "cellThickness" && name != "coordinationNumber" && name != "samplePorosity"
-	    && name != "fabric")
-		refuseMeasure(name);
-	const auto& statistics = pool.statistics(sample);
-	if (name == "bondsIntact") return { double(statistics.bondsIntact) };
-	if (name == "contacts") return { double(statistics.contacts) }; // it keeps some whose grains have parted since
-	if (name == "coordinationNumber") return { statistics.coordinationNumber };
-	if (name == "samplePorosity") return { statistics.porosity };
-	if (name == "cellThickness") return { statistics.cellThickness };
-	return components<Dim>(statistics.fabric);
+	return measureFrom<Dim>(pool.statistics(sample), name);
 }
 
 /// The neighbour lists go along: lists made anew sum the same forces in another order.

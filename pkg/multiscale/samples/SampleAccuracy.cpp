@@ -32,42 +32,41 @@ double steeredStrainTolerance(double tolerance, double strain, double allowed, d
 
 void SampleAccuracy::declareFields(PointFields& f, const std::string& prefix, const std::string& owner)
 {
-	fields               = &f;
-	inertialNumberField  = f.declare(prefix + "inertialNumber", owner, "-", 1);
-	predictionErrorField = f.declare(prefix + "predictionError", owner, "Pa", 1);
-	rateErrorField       = f.declare(prefix + "rateError", owner, "Pa", 1);
-	lastCallField        = f.declare(prefix + "stepOfLastCall", owner, "-", 1);
-	callsField           = f.declare(prefix + "callsOfSample", owner, "-", 1);
+	f.declare(prefix + "inertialNumber", owner, "-", inertialNumbers);
+	f.declare(prefix + "predictionError", owner, "Pa", predictionErrors);
+	f.declare(prefix + "rateError", owner, "Pa", rateErrors);
+	f.declare(prefix + "stepOfLastCall", owner, "-", lastCalls);
+	f.declare(prefix + "callsOfSample", owner, "-", calls);
 }
 
 void SampleAccuracy::begin(int place)
 {
-	at(inertialNumberField)[place]  = firstInertialNumber;
-	at(predictionErrorField)[place] = at(rateErrorField)[place] = at(callsField)[place] = 0;
-	at(lastCallField)[place]                                                            = double(step);
+	inertialNumbers[place]  = firstInertialNumber;
+	predictionErrors[place] = rateErrors[place] = calls[place] = 0;
+	lastCalls[place]                                           = double(step);
 }
 
-bool SampleAccuracy::comparesRates(int place) const { return std::fmod(at(callsField)[place], comparisonInterval) == 0; }
+bool SampleAccuracy::comparesRates(int place) const { return std::fmod(calls[place], comparisonInterval) == 0; }
 
 SampleAccuracy::Term SampleAccuracy::learn(const Answer& a, double& strainTolerance)
 {
 	const double scale = a.stress + stressFloor, part = tolerance * std::sqrt(0.5) * scale;
 	if (comparesRates(a.place)) {
-		double& inertial            = at(inertialNumberField)[a.place];
-		at(rateErrorField)[a.place] = a.rateError;
-		inertial = steered(inertial, a.rateError > 0 ? part / a.rateError : 2., slowestPerTolerance * tolerance, largestInertialNumber);
+		double& inertial    = inertialNumbers[a.place];
+		rateErrors[a.place] = a.rateError;
+		inertial            = steered(inertial, a.rateError > 0 ? part / a.rateError : 2., slowestPerTolerance * tolerance, largestInertialNumber);
 	}
-	at(predictionErrorField)[a.place] = a.predictionError;
-	const Term term                   = pending(a.place, a.volume, a.stress);
-	at(lastCallField)[a.place]        = double(step);
-	at(callsField)[a.place] += 1;
+	predictionErrors[a.place] = a.predictionError;
+	const Term term           = pending(a.place, a.volume, a.stress);
+	lastCalls[a.place]        = double(step);
+	calls[a.place] += 1;
 	strainTolerance = steeredStrainTolerance(strainTolerance, a.strain, part, a.predictionError, smallestStrainTolerance, largestStrainTolerance);
 	return term;
 }
 
 SampleAccuracy::Term SampleAccuracy::pending(int place, double volume, double stress) const
 {
-	return { volume * pendingSteps(place), square(at(predictionErrorField)[place]) + square(at(rateErrorField)[place]), square(stress) };
+	return { volume * pendingSteps(place), square(predictionErrors[place]) + square(rateErrors[place]), square(stress) };
 }
 
 void SampleAccuracy::save(ByteWriter& writer) const

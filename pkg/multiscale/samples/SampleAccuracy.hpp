@@ -47,7 +47,7 @@ public:
 
 	void   countStep() { ++step; }
 	bool   comparesRates(int place) const;
-	double inertialNumber(int place) const { return at(inertialNumberField)[place]; }
+	double inertialNumber(int place) const { return inertialNumbers[place]; }
 	/// What an answer adds to the sums.
 	struct Term {
 		double weight, error, stress;
@@ -64,14 +64,13 @@ public:
 	void restore(ByteReader&);
 
 private:
-	double* at(PointFields::Handle field) const { return fields->component(field); }
-	double  pendingSteps(int place) const { return double(step) - at(lastCallField)[place]; }
+	double pendingSteps(int place) const { return double(step) - lastCalls[place]; }
 
-	double              tolerance           = 0;
-	PointFields*        fields              = nullptr;
-	PointFields::Handle inertialNumberField = -1, predictionErrorField = -1, rateErrorField = -1, lastCallField = -1, callsField = -1;
-	std::uint64_t       step = 0;
-	ErrorSquares        sum;
+	double        tolerance        = 0;
+	double*       inertialNumbers  = nullptr; ///< by place, as the others
+	double *      predictionErrors = nullptr, *rateErrors = nullptr, *lastCalls = nullptr, *calls = nullptr;
+	std::uint64_t step = 0;
+	ErrorSquares  sum;
 };
 
 } // namespace talik

@@ -36,13 +36,24 @@ template <int Dim> struct SampleRecord {
 	using Matrix     = typename PackedTypes<Dim>::Matrix;
 	using Components = std::array<double*, Dim * Dim>;
 
-	Components                            gradient;       ///< displacement gradient since the last update of the sample [-]
-	Components                            last;           ///< stress that it answered then [Pa]
-	std::array<double*, tangentSize<Dim>> tangent;        ///< the same of the tangent [Pa]
-	double*                               ratio;          ///< change of stress over that of the tangent, in the interval before [-], 0 to 1
-	double*                               saturation;     ///< ice saturation of the sample [-]
-	double*                               tolerance;      ///< strain after which it is updated [-]
-	double*                               time = nullptr; ///< of the calendar since then [s], where ice depends on it
+	Components                            gradient {};          ///< displacement gradient since the last update of the sample [-]
+	Components                            last {};              ///< stress that it answered then [Pa]
+	std::array<double*, tangentSize<Dim>> tangent {};           ///< the same of the tangent [Pa]
+	double*                               ratio      = nullptr; ///< change of stress over that of the tangent, in the interval before [-], 0 to 1
+	double*                               saturation = nullptr; ///< ice saturation of the sample [-]
+	double*                               tolerance  = nullptr; ///< strain after which it is updated [-]
+	double*                               time       = nullptr; ///< of the calendar since then [s], where ice depends on it
+
+	void declare(PointFields& f, const std::string& prefix, const std::string& owner, bool withTime)
+	{
+		f.declare(prefix + "accumulatedGradient", owner, "-", gradient);
+		f.declare(prefix + "sampleStress", owner, "Pa", last);
+		f.declare(prefix + "sampleIceSaturation", owner, "-", saturation);
+		f.declare(prefix + "strainTolerance", owner, "-", tolerance);
+		f.declare(prefix + "tangentRatio", owner, "-", ratio);
+		f.declare(prefix + "tangent", owner, "Pa", tangent);
+		if (withTime) f.declare(prefix + "timeSinceUpdate", owner, "s", time);
+	}
 
 	static Matrix matrixAt(const Components& components, int p)
 	{
@@ -73,41 +84,6 @@ template <int Dim> struct SampleRecord {
 		for (int i = 0; i < tangentSize<Dim>; ++i)
 			tangent[i][p] = c[i];
 	}
-};
-
-/// The fields in which it is kept.
-template <int Dim> class SampleFields {
-public:
-	void declare(PointFields& f, const std::string& prefix, const std::string& owner, bool withTime)
-	{
-		fields          = &f;
-		gradientField   = f.declare(prefix + "accumulatedGradient", owner, "-", Dim * Dim);
-		stressField     = f.declare(prefix + "sampleStress", owner, "Pa", Dim * Dim);
-		saturationField = f.declare(prefix + "sampleIceSaturation", owner, "-", 1);
-		toleranceField  = f.declare(prefix + "strainTolerance", owner, "-", 1);
-		ratioField      = f.declare(prefix + "tangentRatio", owner, "-", 1);
-		tangentField    = f.declare(prefix + "tangent", owner, "Pa", tangentSize<Dim>);
-		if (withTime) timeField = f.declare(prefix + "timeSinceUpdate", owner, "s", 1);
-	}
-	SampleRecord<Dim> record() const
-	{
-		SampleRecord<Dim> r;
-		for (int c = 0; c < Dim * Dim; ++c) {
-			r.gradient[c] = fields->component(gradientField, c);
-			r.last[c]     = fields->component(stressField, c);
-		}
-		for (int c = 0; c < tangentSize<Dim>; ++c)
-			r.tangent[c] = fields->component(tangentField, c);
-		r.saturation = fields->component(saturationField);
-		r.ratio      = fields->component(ratioField);
-		r.tolerance  = fields->component(toleranceField);
-		if (timeField >= 0) r.time = fields->component(timeField);
-		return r;
-	}
-
-private:
-	PointFields*        fields        = nullptr;
-	PointFields::Handle gradientField = -1, stressField = -1, saturationField = -1, tangentField = -1, ratioField = -1, toleranceField = -1, timeField = -1;
 };
 
 } // namespace talik

@@ -38,13 +38,13 @@ SampleSkeleton<Dim>::SampleSkeleton(std::shared_ptr<SampleStoreOf<Dim>> samples,
 
 template <int Dim> void SampleSkeleton<Dim>::declareFields(PointFields& f, const std::string& prefix)
 {
-	fields.declare(f, prefix, name(), schedule.followsTime());
+	record.declare(f, prefix, name(), schedule.followsTime());
 	if (accuracy) accuracy->declareFields(f, prefix, name());
 }
 
 template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>& batch)
 {
-	const Record a = fields.record();
+	const Record& a = record;
 	store->clear();
 	// by id: the numbering of samples must not depend on how points are sorted in memory
 	std::map<int, int> placeOf;
@@ -74,7 +74,7 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 
 template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Dim>& batch)
 {
-	const Record                a = fields.record();
+	const Record&               a = record;
 	const StressPrediction<Dim> predictor { a };
 	const auto                  when = scheduler();
 	if (slabs) ofSlabs->beginStep();
@@ -270,8 +270,8 @@ template <int Dim> void SampleSkeleton<Dim>::beginWithOwners()
 template <int Dim> ErrorSquares SampleSkeleton<Dim>::errorSquares(const SkeletonPoints& batch) const
 {
 	if (!accuracy) return {};
-	const Record a   = fields.record();
-	ErrorSquares sum = accuracy->squares();
+	const Record& a   = record;
+	ErrorSquares  sum = accuracy->squares();
 	for (int k = 0; k < batch.count; ++k) {
 		const auto term = accuracy->pending(batch.place[k], batch.volume[batch.place[k]], a.lastStress(batch.place[k]).norm());
 		sum.add(term.weight, term.error, term.stress);

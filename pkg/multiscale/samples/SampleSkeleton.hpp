@@ -44,7 +44,7 @@ private:
 	std::shared_ptr<SlabStore<Dim>>     ofSlabs;         ///< the same, where ranks may have slabs of the ground
 	SlabDecomposition*                  slabs = nullptr; ///< they have
 	const int*                          idAt  = nullptr; ///< ids of the points of all slabs, by place
-	SampleFields<Dim>                   fields;
+	Record                              record;
 	std::vector<int>                    dueScratch;
 	std::vector<char>                   flagScratch;
 };

@@ -118,9 +118,22 @@ template <int Dim> std::vector<double> components(const typename PackedTypes<Dim
 	else return { m(0, 0), m(1, 1), m(2, 2), 0.5 * (m(1, 2) + m(2, 1)), 0.5 * (m(0, 2) + m(2, 0)), 0.5 * (m(0, 1) + m(1, 0)) };
 }
 
-/// Names of what every store measures.
-const std::vector<std::string>& sampleMeasures();
 /// "…; choose bondsIntact, …", for exceptions.
 [[noreturn]] void refuseMeasure(const std::string& name);
+
+/// One of the measures that follow from the statistics of a sample. Throws std::invalid_argument on another name.
+template <int Dim, class Statistics> std::vector<double> measureFrom(const Statistics& s, const std::string& name)
+{
+	if (name == "bondsIntact") return { double(s.bondsIntact) };
+	if (name == "contacts") return { double(s.contacts) };
+	if (name == "coordinationNumber") return { s.coordinationNumber };
+	if (name == "samplePorosity") return { s.porosity };
+	if (name == "cellThickness") return { s.cellThickness };
+	if (name != "fabric") refuseMeasure(name);
+	return components<Dim>(s.fabric.template topLeftCorner<Dim, Dim>());
+}
+
+/// Names of what every store measures.
+const std::vector<std::string>& sampleMeasures();
 
 } // namespace talik
