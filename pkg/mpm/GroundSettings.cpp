@@ -181,7 +181,6 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 	if (s.bodies && !s.motion) throw std::invalid_argument("bodies without motion: ground that is pushed has to move; add motion or leave bodies out");
 	if (s.bodies) s.bodies->validate();
 	if (s.segregation) checkSegregation(s);
-	if (s.thawFront) s.thawFront->validate();
 	if (!std::isnan(s.poreFill)) requireFill(s, "MpmEngine.poreFill", s.poreFill);
 	requireSetting(s.courantNumber > 0.0 && s.courantNumber <= 1.0, "MpmEngine.courantNumber", s.courantNumber, "must lie in (0, 1]");
 	requireSetting(s.heatFraction > 0.0 && s.heatFraction <= 1.0, "MpmEngine.heatFraction", s.heatFraction, "must lie in (0, 1]");
@@ -209,9 +208,6 @@ template <int D> void checkSettings(const GroundSettings<D>& s)
 		        std::isfinite(s.heat->thermalTimeScale) && s.heat->thermalTimeScale > 0.0, "HeatTransfer.thermalTimeScale", s.heat->thermalTimeScale,
 		        "must be positive (1: real time)");
 		if (s.heat->followsMotion) checkCalendar(s);
-		requireSetting(
-		        !(s.heat->smoothingTime <= 0.0), "HeatTransfer.smoothingTime", s.heat->smoothingTime,
-		        "must be positive, in s; infinity: none, NaN: chosen");
 		requireSetting(std::isfinite(s.heat->source), "HeatTransfer.source", s.heat->source, "must be finite, in W/m^3");
 	}
 	if (s.water) {

@@ -83,14 +83,15 @@ template <int D> struct MotionSettings : MotionOfAnyDimension {
 		"1e-5 m/s is a metre a day, a moderate landslide (Cruden and Varnes 1996).")) \
 	((Real, eventDisplacement, 0.02,,"Displacement from which on a point counts as moved in an event [m], > 0. Events in which no point moves that far are " \
 		"left out.")) \
-	((Real, source, 0,,"Heat produced per volume [W/m^3].")) \
-	((Real, smoothingTime, NaN,,"Time constant of the damping of temperature differences that vanish at the nodes (null space of the grid); energy is conserved " \
-		"[s of calendar time]. NaN: chosen from the grid, infinite: no damping."))
+	((Real, source, 0,,"Heat produced per volume [W/m^3]."))
 // clang-format on
 
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
 struct HeatSettings {
 	TALIK_PARAMETERS(TALIK_HEAT_TRANSFER)
+	/// Time constant of the damping of temperature differences that vanish at the nodes (null space of the grid); energy is conserved [s of calendar
+	/// time]. NaN (default): chosen from the grid, infinite: no damping.
+	double smoothingTime = NaN;
 };
 
 /// The effect of pore water: a second velocity, pressure, seepage.
@@ -118,21 +119,12 @@ struct FrontConstants {
 	static constexpr double smallestMassShare = 1e-9;
 };
 
-/// Parameters of ThawFront, for the settings of the ground and for the class that a script sees.
-// clang-format off
-#define TALIK_THAW_FRONT \
-	((Real, thawedBelow, 0.02,,"Ice saturation at and below which a point becomes thawed ground [-], 0 to below 1: the bonds of samples are gone there.")) \
-	((Real, frozenAbove, 0.05,,"Ice saturation at and above which it becomes frozen ground again [-], above thawedBelow, up to 1: the bonds of samples form " \
-		"there."))
-// clang-format on
-
 /// The effect of two velocities where ground that ice holds meets ground that it does not, see ThawFront.
 struct ThawFrontSettings {
-	TALIK_PARAMETERS(TALIK_THAW_FRONT)
+	/// Ice saturation at and below which a point becomes thawed ground, and at and above which it is frozen ground again [-]: there the bonds of
+	/// samples are gone, and form.
+	double         thawedBelow = 0.02, frozenAbove = 0.05;
 	FrontConstants constants;
-
-	/// Throws std::invalid_argument naming attribute, value and remedy.
-	void validate() const;
 };
 
 /// The effect of rigid bodies that push the ground and are pushed by it.

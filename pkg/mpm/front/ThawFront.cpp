@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/front/ThawFront.hpp>
 
 namespace talik {
-
-void ThawFrontSettings::validate() const
-{
-	requireSetting(thawedBelow >= 0.0 && thawedBelow < 1.0, "ThawFront.thawedBelow", thawedBelow, "must lie in [0, 1)");
-	requireSetting(frozenAbove > thawedBelow && frozenAbove <= 1.0, "ThawFront.frozenAbove", frozenAbove, "must lie above thawedBelow, up to 1");
-}
 
 template <int D>
 ThawFront<D>::ThawFront(PointFields& fields, const ThawFrontSettings& settings)

@@ -58,8 +58,7 @@ namespace {
 		if (engine.heat) s.heat = engine.heat->build();
 		if (engine.bodies) s.bodies = engine.bodies->build(D);
 		if (engine.freezing) s.freezing = engine.freezing->build();
-		s.thawFront.reset();
-		if (engine.thawFront) s.thawFront = engine.thawFront->build();
+		if (!engine.thawFront) s.thawFront.reset();
 		if (engine.water) s.water = engine.water->build();
 		if (engine.segregation) s.segregation = engine.segregation->build();
 		s.deformationRecord = engine.motion && engine.deformationRecord;

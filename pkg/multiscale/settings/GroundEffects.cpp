@@ -61,14 +61,6 @@ talik::SoilMaterial GroundMaterial::soil(const FreezingCurve* ofScene, const Por
 	return s;
 }
 
-talik::ThawFrontSettings ThawFront::build() const
-{
-	talik::ThawFrontSettings f;
-	TALIK_TAKE(f, *this, TALIK_THAW_FRONT)
-	f.validate();
-	return f;
-}
-
 talik::SegregationSettings IceSegregation::build() const
 {
 	talik::SegregationSettings s;

@@ -49,15 +49,13 @@ REGISTER_SERIALIZABLE(FreezingCurve);
 /// Effect: two velocities where frozen and thawed ground meet.
 class ThawFront : public Serializable {
 public:
-	talik::ThawFrontSettings build() const;
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(ThawFront,Serializable,"Effect of a scene: where frozen and thawed ground meet, they have separate velocities on the nodes, so that "
+	YADE_CLASS_BASE_DOC(ThawFront,Serializable,"Effect of a scene: where frozen and thawed ground meet, they have separate velocities on the nodes, so that "
 			"a thawed layer of any thickness can slide on its frozen base. The friction between them is the strength of the law or the samples of the "
-			"thawed points. It acts in scenes with motion, freezing and a skeleton that can fail, with the fields frozenSide (1: frozen) and slip [m]. "
+			"thawed points. A point is thawed at and below an ice saturation of 0.02, where the bonds of samples are gone, and frozen again from 0.05 on, "
+			"where they form. It acts in scenes with motion, freezing and a skeleton that can fail, with the fields frozenSide (1: frozen) and slip [m]. "
 			"MpmEngine.thawFront=None switches it off: a layer thinner than about two cells then moves with its base. Example: "
-			"MpmEngine(gridSpacing=0.5,thawFront=ThawFront(frozenAbove=0.1)).",
-		TALIK_THAW_FRONT
-	);
+			"MpmEngine(gridSpacing=0.5,thawFront=ThawFront()).");
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(ThawFront);
