@@ -35,12 +35,12 @@ namespace HWY_NAMESPACE {
 	HWY_INLINE bool   Or(bool a, bool b) { return a || b; }
 	HWY_INLINE double IfThenElse(bool condition, double yes, double no) { return condition ? yes : no; }
 
-	/// Zero and one of the kind of a number, and whether a condition on such numbers holds in some lane.
-	HWY_INLINE double                                   zeroLike(double) { return 0; }
-	HWY_INLINE bool                                     holdsSomewhere(double, bool condition) { return condition; }
-	template <class Vector> HWY_INLINE Vector           zeroLike(Vector) { return hwy::HWY_NAMESPACE::Zero(hwy::HWY_NAMESPACE::DFromV<Vector>()); }
-	HWY_INLINE double                                   oneLike(double) { return 1; }
-	template <class Vector> HWY_INLINE Vector           oneLike(Vector) { return hwy::HWY_NAMESPACE::Set(hwy::HWY_NAMESPACE::DFromV<Vector>(), 1.); }
+	/// Zero and any value of the kind of a number, and whether a condition on such numbers holds in some lane.
+	HWY_INLINE double                         zeroLike(double) { return 0; }
+	HWY_INLINE bool                           holdsSomewhere(double, bool condition) { return condition; }
+	template <class Vector> HWY_INLINE Vector zeroLike(Vector) { return hwy::HWY_NAMESPACE::Zero(hwy::HWY_NAMESPACE::DFromV<Vector>()); }
+	HWY_INLINE double                         alike(double, double value) { return value; }
+	template <class Vector> HWY_INLINE Vector alike(Vector, double value) { return hwy::HWY_NAMESPACE::Set(hwy::HWY_NAMESPACE::DFromV<Vector>(), value); }
 	template <class Vector, class Mask> HWY_INLINE bool holdsSomewhere(Vector, Mask condition)
 	{
 		return !hwy::HWY_NAMESPACE::AllFalse(hwy::HWY_NAMESPACE::DFromV<Vector>(), condition);
@@ -68,6 +68,23 @@ namespace HWY_NAMESPACE {
 	{
 		return { Sub(a.x, b.x), Sub(a.y, b.y), Sub(a.z, b.z) };
 	}
+	template <class Number> HWY_INLINE InSpace<Number> Add(const InSpace<Number>& a, const InSpace<Number>& b)
+	{
+		return { Add(a.x, b.x), Add(a.y, b.y), Add(a.z, b.z) };
+	}
+	template <class Number> HWY_INLINE InSpace<Number> MulAdd(Number a, const InSpace<Number>& b, const InSpace<Number>& c)
+	{
+		return { MulAdd(a, b.x, c.x), MulAdd(a, b.y, c.y), MulAdd(a, b.z, c.z) };
+	}
+	template <class Number> HWY_INLINE InSpace<Number> cross(const InSpace<Number>& a, const InSpace<Number>& b)
+	{
+		return { MulSub(a.y, b.z, Mul(a.z, b.y)), MulSub(a.z, b.x, Mul(a.x, b.z)), MulSub(a.x, b.y, Mul(a.y, b.x)) };
+	}
+	/// a x b + c
+	template <class Number> HWY_INLINE InSpace<Number> crossAdd(const InSpace<Number>& a, const InSpace<Number>& b, const InSpace<Number>& c)
+	{
+		return { NegMulAdd(a.z, b.y, MulAdd(a.y, b.z, c.x)), NegMulAdd(a.x, b.z, MulAdd(a.z, b.x, c.y)), NegMulAdd(a.y, b.x, MulAdd(a.x, b.y, c.z)) };
+	}
 	template <class Number> HWY_INLINE InSpace<Number> NegMulAdd(Number a, const InSpace<Number>& b, const InSpace<Number>& c)
 	{
 		return { NegMulAdd(a, b.x, c.x), NegMulAdd(a, b.y, c.y), NegMulAdd(a, b.z, c.z) };
@@ -86,7 +103,7 @@ namespace HWY_NAMESPACE {
 		const Number square = dot(trial, trial);
 		const auto   beyond = Lt(Mul(limit, limit), square);
 		if (!holdsSomewhere(square, beyond)) return trial;
-		return scaled(trial, IfThenElse(beyond, Div(limit, Sqrt(square)), oneLike(square)));
+		return scaled(trial, IfThenElse(beyond, Div(limit, Sqrt(square)), alike(square, 1.)));
 	}
 	template <class Number> HWY_INLINE InSpace<Number> slidIce(const InSpace<Number>& iceShear, const InSpace<Number>& shear, const InSpace<Number>& trial)
 	{
@@ -111,6 +128,36 @@ namespace HWY_NAMESPACE {
 		return iceShear * (shearNorm(shear) / shearNorm(trial));
 	}
 #endif
+
+	/// Acceleration times 1 - damping sign(acceleration (velocity + dt/2 acceleration)).
+	template <class Number> HWY_INLINE Number damped(Number acceleration, Number velocity, Number damping, Number halfStep)
+	{
+		const Number power = Mul(acceleration, MulAdd(halfStep, acceleration, velocity));
+		return NegMulAdd(CopySignToAbs(damping, power), acceleration, acceleration);
+	}
+	template <class Number> HWY_INLINE InSpace<Number> damped(const InSpace<Number>& a, const InSpace<Number>& v, Number damping, Number halfStep)
+	{
+		return { damped(a.x, v.x, damping, halfStep), damped(a.y, v.y, damping, halfStep), damped(a.z, v.z, damping, halfStep) };
+	}
+
+	/// Springs of grains at an overlap: linear ones are the same at any. `stiffness` is H of Hertz's grains, eq. (14.15).
+	template <bool Hertz, class Number> HWY_INLINE Number grainSecant(const Number& stiffness, const Number& overlap)
+	{
+		if constexpr (Hertz) return Mul(stiffness, Sqrt(Max(overlap, zeroLike(overlap))));
+		else return stiffness;
+	}
+	template <bool Hertz, class Number> HWY_INLINE Number grainTangent(const Number& stiffness, const Number& overlap)
+	{
+		if constexpr (Hertz) return Mul(alike(overlap, 1.5), grainSecant<true>(stiffness, overlap));
+		else return stiffness;
+	}
+	/// A response at an overlap.
+	template <bool Hertz, class Number> HWY_INLINE ContactResponse<Number> responseAt(const ContactResponse<Number>& c, const Number& overlap)
+	{
+		if constexpr (!Hertz) return c;
+		const Number tangent = Add(grainTangent<Hertz>(c.stiffness, overlap), c.iceShare), least = alike(overlap, 1e-300);
+		return { Add(grainSecant<Hertz>(c.stiffness, overlap), c.iceShare), c.offset, c.floor, c.cohesion, Div(c.iceShare, Max(tangent, least)) };
+	}
 
 	/// Moment by which grains resist rolling on each other, eq. (14.6): elastic, at most lever times the normal force that presses them together.
 	/// The moment is reduced by the increment in this step.

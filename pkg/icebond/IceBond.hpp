@@ -109,21 +109,75 @@ struct NoMoments {};
 /// proportion. The limits of a step are in ContactForces.hpp; what a failure, a change of ice saturation, a melt and new ice do is here.
 namespace talik {
 
+/// Grains pressed together as elastic spheres: Hertz's normal force, Mindlin's shear stiffness without slip, of two materials as stock YADE mixes them.
+struct HertzMindlin {
+	double modulus    = 0; ///< 4/3 E* [Pa]; 0: the grains have linear springs
+	double shearRatio = 0; ///< k_s/k_n, both at the same overlap [-]
+
+	bool                acts() const { return modulus > 0; }
+	static HertzMindlin of(double young1, double poisson1, double young2, double poisson2)
+	{
+		const double effective = young1 * young2 / ((1 - poisson1 * poisson1) * young2 + (1 - poisson2 * poisson2) * young1);
+		const double shear     = 0.5 / ((2 - poisson1) * (1 + poisson1) / young1 + (2 - poisson2) * (1 + poisson2) / young2); // G*
+		return { 4. / 3. * effective, 4 * shear / effective };
+	}
+	/// H of grains with such radii, F_n = H u^1.5, eq. (14.15) [N/m^1.5]; 0 of linear springs.
+	double stiffness(double a, double b) const { return acts() ? modulus * std::sqrt(a * b / (a + b)) : 0; }
+	/// Stiffness of the most loaded contacts under a pressure, at least 1 kPa, over that of the linear spring [-]; thickness: of discs, in radii, 1 of
+	/// spheres. Their force is about ten times pressure, radius and thickness.
+	double overLinear(double young, double pressure, double thickness) const
+	{
+		return acts() ? 1.5 * std::cbrt(5 * modulus * modulus * std::max(pressure, 1e3) * thickness) / young : 1;
+	}
+	bool operator==(const HertzMindlin& other) const { return modulus == other.modulus; }
+};
+
+/// Tangent of the normal force at an overlap, and the force before any limit.
+struct NormalSpring {
+	double tangent, force; ///< [N/m], [N]
+};
+
+/// A contact as one step sees it, F_n = stiffness u_n - offset. Number is double, or a vector with one contact in every lane.
+/// Of Hertz's grains, F_n = stiffness u_n^1.5 + iceShare u_n - offset, until hertzResponse() of ContactForces.hpp.
+template <class Number> struct ContactResponse {
+	Number stiffness; ///< of the springs in force [N/m]; H [N/m^1.5]
+	Number offset;    ///< [N]
+	Number floor;     ///< < 0: an intact bond, which fails below this force; > 0: a broken one, to be settled below it; 0: no bond [N]
+	Number cohesion;  ///< limit of the shear force of an intact bond without friction [N]
+	Number iceShare;  ///< part of every shear increment that the ice carries [-]; k_ice [N/m]
+};
+
 /// Stiffness of one contact without ice and what ice saturation makes of it.
 struct ContactStiffness {
 	double grain;      ///< k_g, normal stiffness of the grains alone [N/m]
 	double shearRatio; ///< k_s/k_n [-]
 	double iceRatio;   ///< stiffness of the ice spring over k_g, IceBondModel::iceStiffnessRatio [-]
+	double hertz = 0;  ///< H [N/m^1.5], or 0: the grains have linear springs, which bonds hold in tension, too
+
+	bool   isHertz() const { return hertz > 0; }
 	double ice() const { return grain * iceRatio; }
-	double total() const { return grain + ice(); }
-	double iceShare() const { return iceRatio / (1 + iceRatio); }
+	double total() const { return isHertz() ? hertz : grain + ice(); }
+	double withoutIce() const { return isHertz() ? hertz : grain; }
+	double iceShare() const { return isHertz() ? ice() : iceRatio / (1 + iceRatio); }
+	/// Of the ice in a shear increment at an overlap [-].
+	double iceShareAt(double un) const { return isHertz() ? ice() / (ice() + grainSpring(un).tangent) : iceShare(); }
+	/// The grains alone; no force across a gap.
+	NormalSpring grainSpring(double un) const { return spring({ withoutIce(), 0, 0, 0, 0 }, std::max(un, 0.)); }
+	/// Of a response that stems from this stiffness.
+	NormalSpring spring(const ContactResponse<double>& c, double un) const
+	{
+		if (!isHertz()) return { c.stiffness, c.stiffness * un - c.offset };
+		const double secant = c.stiffness * std::sqrt(std::max(un, 0.));
+		return { 1.5 * secant + c.iceShare, (secant + c.iceShare) * un - c.offset };
+	}
 };
 
 /// Stiffness of a grain on its contacts, of its motion and its rotation together, in units of the grain spring [-].
 struct GrainStiffening {
 	double ofRolling = 0; ///< what rolling adds
 	double ofMoments = 0; ///< what moments of a bond add to the stiffness of its ice, in units of that
-	double total(double iceStiffnessRatio) const { return 1 + ofRolling + (1 + ofMoments) * iceStiffnessRatio; }
+	double ofGrains  = 1; ///< HertzMindlin::overLinear
+	double total(double iceStiffnessRatio) const { return ofGrains * (1 + ofRolling) + (1 + ofMoments) * iceStiffnessRatio; }
 	/// The stiffer one of bending and twisting; shearRatio: k_s/k_n.
 	static double momentsOf(const BondSection& section, double bondAreaFactor, double shearRatio)
 	{
@@ -137,15 +191,6 @@ constexpr double timeStepOverPeriod = 0.3;
 /// Forces at which an intact bond fails, eq. (5) times the area of the bond [N].
 struct BondStrength {
 	double tensile, shear;
-};
-
-/// A contact as one step sees it, F_n = stiffness u_n - offset. Number is double, or a vector with one contact in every lane.
-template <class Number> struct ContactResponse {
-	Number stiffness; ///< of the springs in force [N/m]
-	Number offset;    ///< [N]
-	Number floor;     ///< < 0: an intact bond, which fails below this force; > 0: a broken one, to be settled below it; 0: no bond [N]
-	Number cohesion;  ///< limit of the shear force of an intact bond without friction [N]
-	Number iceShare;  ///< part of every shear increment that the ice carries [-]
 };
 
 /// Forces of one step. Shear is a scalar for discs, a vector for spheres.
@@ -182,10 +227,10 @@ struct IceBond {
 	ContactResponse<double> response(const ContactStiffness& k, const BondStrength& strength) const
 	{
 		const double limit = -std::max(watched, strength.tensile);
-		if (intact()) return { k.total(), k.grain * uGrain + k.ice() * uIce, limit, strength.shear, k.iceShare() };
-		if (!hasIceSpring()) return { k.grain, 0., state == BondState::NONE ? 0. : watched, 0., 0. };
+		if (intact()) return { k.total(), (k.isHertz() ? 0 : k.grain * uGrain) + k.ice() * uIce, limit, strength.shear, k.iceShare() };
+		if (!hasIceSpring()) return { k.withoutIce(), 0., state == BondState::NONE ? 0. : watched, 0., 0. };
 		// the ice spring is relaxed, or the contact opens, where the force is this
-		const double release = uIce > 0 ? k.grain * uIce : -k.ice() * uIce;
+		const double release = uIce > 0 ? k.grainSpring(uIce).force : -k.ice() * uIce;
 		return { k.total(), k.ice() * uIce, std::max(watched, release), 0., k.iceShare() };
 	}
 
@@ -250,7 +295,7 @@ struct IceBond {
 			const bool bent = f.normal > response(k, strength).floor; // the edge of the section has failed before the section
 			failure         = BondFailure::tension;
 			*this           = broken(thawed);
-			f.normal        = bent ? k.grain * std::max(f.overlap, 0.) : 0;
+			f.normal        = bent ? k.grainSpring(f.overlap).force : 0;
 		} else {
 			failure = BondFailure::shear;
 			breakInShear(k, thawed, f);
@@ -281,12 +326,12 @@ private:
 
 	template <class Shear> void relax(const ContactStiffness& k, ContactForces<double, Shear>& f)
 	{
-		f.normal = k.grain * f.overlap;
+		f.normal = k.grainSpring(f.overlap).force;
 		if (!hasIceSpring()) return;
 		if (f.overlap > uIce) {
 			f.normal += k.ice() * (f.overlap - uIce);
 		} else { // the ice takes no part in this step
-			f.shear += f.increment * k.iceShare();
+			f.shear += f.increment * k.iceShareAt(f.overlap);
 			*this = broken(false);
 		}
 	}
@@ -294,7 +339,7 @@ private:
 	template <class Shear> void breakInShear(const ContactStiffness& k, bool thawed, ContactForces<double, Shear>& f)
 	{
 		const double push = thawed ? 0. : k.ice() * std::max(f.overlap - uIce, 0.);
-		f.normal          = push + k.grain * std::max(f.overlap, 0.);
+		f.normal          = push + k.grainSpring(f.overlap).force;
 		if (push > 0) *this = { BondState::BROKEN, false, 0, uIce };
 		else *this = broken(thawed);
 	}

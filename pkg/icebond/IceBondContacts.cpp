@@ -38,6 +38,11 @@ std::shared_ptr<const talik::BondMixture> IceBondMat::mixedWith(const IceBondMat
 	return mixtures.with({ model(), numbered.number }, { second.model(), second.numbered.number });
 }
 
+talik::HertzMindlin IceBondMat::elasticityWith(const IceBondMat& second) const
+{
+	return hertzMindlin && second.hertzMindlin ? talik::HertzMindlin::of(young, poisson, second.young, second.poisson) : talik::HertzMindlin();
+}
+
 shared_ptr<IceBondPhys> IceBondMat::newContact(const IceBondMat&, Real, Real, Real) const { return shared_ptr<IceBondPhys>(new IceBondPhys); }
 
 namespace {
@@ -47,6 +52,7 @@ namespace {
 void IceBondMat::postLoad(IceBondMat&)
 {
 	require(iceSaturation >= 0 && iceSaturation <= 1, "iceSaturation", iceSaturation, "give a saturation from 0 to 1.");
+	require(!hertzMindlin || (poisson >= 0 && poisson < 0.5), "poisson", poisson, "with hertzMindlin it is Poisson's ratio of the grains, 0 to below 0.5.");
 	const auto bonds = model();
 	for (const auto& parameter : talik::bondParameters)
 		require(parameter.isValid(bonds), parameter.name, bonds.*parameter.value, parameter.remedy());
@@ -99,13 +105,16 @@ void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, c
 
 	// stiffness and area of a bond, eq. (14.2)
 	const Real grainStiffness = k1 + k2 > 0 ? 2 * k1 * k2 / (k1 + k2) : 0;
-	const Real stiffnessRatio = a.poisson == b.poisson ? a.poisson : 2 * a.poisson * b.poisson / (a.poisson + b.poisson);
+	const Real ofSprings      = a.poisson == b.poisson ? a.poisson : 2 * a.poisson * b.poisson / (a.poisson + b.poisson);
+	const auto elasticity     = a.elasticityWith(b);
+	const Real stiffnessRatio = elasticity.acts() ? elasticity.shearRatio : ofSprings, hertz = elasticity.stiffness(r1, r2);
 
-	const shared_ptr<IceBondPhys> phys = a.newContact(b, r1, r2, stiffnessRatio * grainStiffness);
+	const shared_ptr<IceBondPhys> phys = a.newContact(b, r1, r2, stiffnessRatio * (elasticity.acts() ? hertz : grainStiffness));
 	phys->grainStiffness               = grainStiffness;
 	phys->stiffnessRatio               = stiffnessRatio;
+	phys->kno                          = hertz;
 	phys->tangensOfFrictionAngle       = std::tan(std::min(a.frictionAngle, b.frictionAngle));
-	phys->kn                           = phys->grainStiffness;
+	phys->kn                           = elasticity.acts() ? 0 : grainStiffness; // until the law has seen its overlap
 	phys->ks                           = phys->stiffnessRatio * phys->kn;
 	phys->iceSaturation                = std::min(a.iceSaturation, b.iceSaturation);
 	const auto& bonds                  = phys->bonds(a, b);
@@ -124,7 +133,7 @@ using Forces = talik::ContactForces<double, Vector3r>;
 
 ContactStiffness Law2_ScGeom_IceBondPhys_IceBond::stiffness(const Contact& c, double iceSaturation) const
 {
-	return { c.phys.grainStiffness, c.phys.stiffnessRatio, c.model.iceStiffnessRatio(iceSaturation) };
+	return c.phys.stiffness(c.model.iceStiffnessRatio(iceSaturation));
 }
 
 /// Without its bond a contact cannot push across a gap that shrinking grains have left, see GrainSwelling.
@@ -169,15 +178,17 @@ void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness
 	const double friction = c.phys.tangensOfFrictionAngle, area = c.phys.bondArea, saturation = c.phys.iceSaturation;
 	BondStrength strength { 0, 0 };
 	if (c.bond.intact()) strength = { c.model.tensileStrengthAt(saturation) * area, c.model.shearStrengthAt(saturation) * area };
-	const auto contact = c.bond.response(k, strength);
-	const auto settle  = [&](bool, Forces& forces) {
+	const auto   springs = c.bond.response(k, strength);
+	const double un      = c.un;
+	const auto   contact = k.isHertz() ? talik::HWY_NAMESPACE::responseAt<true>(springs, un) : springs;
+	const auto   settle  = [&](bool, Forces& forces) {
                 if (c.bond.settle(k, strength, friction, c.model.melted(saturation), forces) != BondFailure::none) countBroken();
 	};
 	c.geom.rotate(c.phys.shearForce);
 	c.geom.rotate(c.phys.iceShear);
-	const Vector3r increment = k.shearRatio * contact.stiffness * c.geom.shearIncrement();
+	const Vector3r increment = k.shearRatio * k.spring(springs, un).tangent * c.geom.shearIncrement();
 	const auto     forces    = [&](const auto& edge) {
-                return talik::HWY_NAMESPACE::bondedForces(contact, friction, double(c.un), c.phys.shearForce, c.phys.iceShear, increment, edge, settle);
+                return talik::HWY_NAMESPACE::bondedForces(contact, friction, un, c.phys.shearForce, c.phys.iceShear, increment, edge, settle);
 	};
 	const bool   bends = c.bond.intact() && c.phys.carriesMoments();
 	const Forces f     = bends ? forces(c.phys.bend(c.geom, c.interaction, *scene, k)) : forces(talik::NoMoments());
@@ -185,7 +196,7 @@ void Law2_ScGeom_IceBondPhys_IceBond::respond(Contact& c, const ContactStiffness
 	c.phys.normalForce = f.normal * c.geom.normal;
 	c.phys.shearForce  = f.shear;
 	c.phys.iceShear    = f.iceShear;
-	c.phys.kn          = c.bond.response(k, strength).stiffness;
+	c.phys.kn          = k.spring(c.bond.response(k, strength), un).tangent;
 	c.phys.ks          = k.shearRatio * c.phys.kn;
 }
 

@@ -28,7 +28,11 @@ public:
 		return mixture.isOf(numbered.number, young, second.numbered.number, second.young);
 	}
 	void postLoad(IceBondMat&);
-	/// A new contact with a grain of another material, without its parameters of force; r1, r2: radii [m], shearStiffness: k_s without ice [N/m].
+	/// Without ice; of grains with linear springs nothing.
+	talik::HertzMindlin elasticity() const { return elasticityWith(*this); }
+	talik::HertzMindlin elasticityWith(const IceBondMat& second) const;
+	/// A new contact with a grain of another material, without its parameters of force; r1, r2: radii [m], shearStiffness: k_s without ice [N/m], of
+	/// Hertz's grains over 1.5 sqrt(u_n).
 	virtual shared_ptr<IceBondPhys> newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const;
 	/// What a grain of this radius has grown in this step [m], 0 if it shrank.
 	Real growth(Real radius) const { return radius * std::max(1 - radiusRatioBefore / radiusRatio, 0.); }
@@ -45,6 +49,10 @@ public:
 			"1-(1-S_i^m)^m). Example: IceBondMat(young=0.6e9,poisson=0.8,frictionAngle=0.4636,density=2650,iceSaturation=1).",
 		((Real,iceSaturation,0,Attr::triggerPostLoad,"Volumetric ice saturation of the pores around these grains, 0 to 1 [-]. A contact takes the smaller one of "
 				"its two grains."))
+		((bool,hertzMindlin,false,Attr::triggerPostLoad,"Grains press on each other as elastic spheres, as in Ip2_FrictMat_FrictMat_MindlinPhys: "
+				":yref:`young<ElastMat.young>` and :yref:`poisson<ElastMat.poisson>` are Young's modulus and Poisson's ratio of the grains, F_n = 4/3 E* sqrt(R*) "
+				"u_n^1.5 and k_s = 8 G* sqrt(R* u_n). The ice keeps its linear springs. Contacts with grains of a material without it have linear ones. False: "
+				"linear springs."))
 		TALIK_BOND_PARAMETERS(TALIK_BOND_ATTRIBUTE)
 		((Real,radiusRatio,1,Attr::readonly,"Radius of these grains over the one that stiffness and bonds are counted with [-]; set by GrainSwelling."))
 		((Real,radiusRatioBefore,1,Attr::hidden,"radiusRatio of the step before.")),
@@ -67,6 +75,7 @@ public:
 	void           setBond(const talik::IceBond&);
 	/// The parameters of a contact of grains of two materials; they take what has changed in one of them.
 	const talik::IceBondModel& bonds(const IceBondMat& first, const IceBondMat& second);
+	talik::ContactStiffness    stiffness(double iceStiffnessRatio) const { return { grainStiffness, stiffnessRatio, iceStiffnessRatio, kno }; }
 	/// Whether an intact bond carries moments.
 	virtual bool carriesMoments() const { return false; }
 	/// The moment of an intact bond follows the turning of a step; what it adds at the edge of the section.
@@ -88,6 +97,7 @@ public:
 		((Real,iceSaturation,0,,"Ice saturation that the contact has taken up [-]."))
 		((Real,grainStiffness,0,,"Normal stiffness without ice [N/m]."))
 		((Real,stiffnessRatio,0,,"Shear over normal stiffness [-]."))
+		((Real,kno,0,,"4/3 E* sqrt(R*) of grains with hertzMindlin, as MindlinPhys.kno [N/m^1.5]; 0: linear springs."))
 		((Real,bondArea,0,,"Area of the bond [m^2]."))
 		((Real,gapLimit,0,,"Largest gap that is bonded [m]."))
 		((Real,uGrain,0,,"Overlap at which the grain spring of an intact bond is free [m]."))
@@ -112,7 +122,8 @@ public:
 	void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Ip2_IceBondMat_IceBondMat_IceBondPhys,IPhysFunctor,"Makes the :yref:`IceBondPhys` of a new contact: k_n = 2 E1 R1 E2 R2/(E1 R1 + "
-			"E2 R2) without ice, k_s = poisson k_n, the smaller friction angle, bond area from the smaller radius. Contacts are born frictional; ice that rises "
+			"E2 R2) without ice, k_s = poisson k_n, or Hertz's and Mindlin's of grains with IceBondMat.hertzMindlin, the "
+			"smaller friction angle, bond area from the smaller radius. Contacts are born frictional; ice that rises "
 			"through IceBondMat.bondSaturation bonds them. Example: "
 			"InteractionLoop([Ig2_Sphere_Sphere_ScGeom()],[Ip2_IceBondMat_IceBondMat_IceBondPhys()],[Law2_ScGeom_IceBondPhys_IceBond()]).",
 		((bool,bondNewContacts,false,,"Contacts that come into being are bonded at once, free of stress. To bond across gaps, let "
@@ -148,10 +159,11 @@ private:
 	bool                    stayOpen(Contact&) const;
 
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(Law2_ScGeom_IceBondPhys_IceBond,LawFunctor,"Contact law of grains bonded by pore ice. Without ice: linear springs with Coulomb "
-			"friction as Law2_ScGeom_FrictPhys_CundallStrack. With ice (Yu & Zhao eqs 5-7): an ice spring beside the grain spring, grown free of stress; an intact "
-			"bond fails in tension at C_eta A_b or in shear at C_tau A_b + mu max(F_n,0), then friction remains; melting takes the share of the ice away, complete "
-			"melting every bond; ice that rises again through IceBondMat.bondSaturation bonds anew. The limits are checked in every step, also when only the ice "
+	YADE_CLASS_BASE_DOC_ATTRS(Law2_ScGeom_IceBondPhys_IceBond,LawFunctor,"Contact law of grains bonded by pore ice. Without ice: linear springs, or Hertz's and "
+			"Mindlin's, with Coulomb friction as Law2_ScGeom_FrictPhys_CundallStrack. With ice (Yu & Zhao eqs 5-7): an ice "
+			"spring beside the grain spring, grown free of stress; an intact bond fails in tension at C_eta A_b or in shear at C_tau A_b + mu max(F_n,0), "
+			"then friction remains; melting takes the share of the ice away, complete melting every "
+			"bond; ice that rises again through IceBondMat.bondSaturation bonds anew. The limits are checked in every step, also when only the ice "
 			"saturation changes. Example: "
 			"InteractionLoop([Ig2_Sphere_Sphere_ScGeom()],[Ip2_IceBondMat_IceBondMat_IceBondPhys()],[Law2_ScGeom_IceBondPhys_IceBond(healBroken=True)]).",
 		((bool,healBroken,false,,"Refreezing bonds broken contacts, too; otherwise they stay broken until melted."))

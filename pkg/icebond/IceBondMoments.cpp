@@ -40,10 +40,11 @@ Vector3r RollingIceBondPhys::spinBetween(const Interaction& interaction, const S
 
 void RollingIceBondPhys::addMoments(const ScGeom& geom, const Interaction& interaction, Scene& scene)
 {
-	const Vector3r spin    = spinBetween(interaction, scene);
-	const Vector3r bending = spin - geom.normal.dot(spin) * geom.normal;
+	const Vector3r spin      = spinBetween(interaction, scene);
+	const Vector3r bending   = spin - geom.normal.dot(spin) * geom.normal;
+	const Real     stiffness = kno > 0 ? 1.5 * kr * std::sqrt(std::max(geom.penetrationDepth - uRef, 0.)) : kr;
 	geom.rotate(moment_bending);
-	moment_bending = talik::HWY_NAMESPACE::rollingMoment(maxRollPl, normalForce.dot(geom.normal), moment_bending, Vector3r(kr * scene.dt * bending));
+	moment_bending = talik::HWY_NAMESPACE::rollingMoment(maxRollPl, normalForce.dot(geom.normal), moment_bending, Vector3r(stiffness * scene.dt * bending));
 	scene.forces.addTorque(interaction.id1, -moment_bending);
 	scene.forces.addTorque(interaction.id2, moment_bending);
 }

@@ -46,7 +46,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RollingIceBondPhys,IceBondPhys,"Contact of two grains of :yref:`RollingIceBondMat`: an :yref:`IceBondPhys` with a moment "
 			"against rolling, elastic up to maxRollPl times the normal force. Example: [i.phys.moment_bending for i in O.interactions if i.isReal].",
-		((Real,kr,0,,"Rolling stiffness [N m]."))
+		((Real,kr,0,,"Rolling stiffness [N m]; of grains with hertzMindlin over 1.5 sqrt(u_n) [N m^0.5]."))
 		((Real,maxRollPl,0,,"Largest moment over normal force [m]; none under tension."))
 		((Vector3r,moment_bending,Vector3r::Zero(),,"Moment against rolling on the second grain [N m].")),
 		createIndex();

@@ -92,11 +92,11 @@ struct CreepingContact {
 /// What grains without ice could not hold is the ice's, eq. (14.9); no force changes.
 template <class Shear> void giveIceItsForce(IceBond& bond, const CreepingContact& c, const Shear& shear, Shear& iceShear)
 {
-	const double touching = std::max(c.overlap, 0.), apart = std::min(c.overlap, 0.);
-	bond.uIce -= c.stiffness.grain * (apart - bond.uGrain) / c.stiffness.ice();
+	const double apart = std::min(c.overlap, 0.);
+	if (!c.stiffness.isHertz()) bond.uIce -= c.stiffness.grain * (apart - bond.uGrain) / c.stiffness.ice();
 	bond.uGrain           = apart;
 	const Shear  ofGrains = shear - iceShear;
-	const double norm = shearNorm(ofGrains), limit = c.friction * c.stiffness.grain * touching;
+	const double norm = shearNorm(ofGrains), limit = c.friction * c.stiffness.grainSpring(c.overlap).force;
 	if (norm > limit) iceShear = shear - ofGrains * (limit / norm);
 }
 

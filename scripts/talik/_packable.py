@@ -194,9 +194,16 @@ def _ofContact(contact, material):
 		return f"has the friction {phys.tangensOfFrictionAngle:f} and its material {friction:f}"
 	bonded = isinstance(phys, wrapper.IceBondPhys)
 	normal, ratio = (phys.grainStiffness, phys.stiffnessRatio) if bonded else (phys.kn, phys.ks / phys.kn if phys.kn else math.nan)
-	if _differs(normal, grain) or _differs(ratio, material.poisson):
+	hertz, wanted = _ofHertz(geom, material) if bonded and material.hertzMindlin else (0.0, material.poisson)
+	if _differs(normal, grain) or _differs(ratio, wanted) or (bonded and _differs(phys.kno, hertz)):
 		return "has another stiffness than its material gives"
 	return (_ofRolling(phys, geom, material) or _ofMoments(phys, material) or _ofBond(phys, material)) if bonded else ""
+
+
+def _ofHertz(geom, material):
+	"""kno and k_s/k_n of spheres of one material."""
+	modulus = 2 / 3 * material.young / (1 - material.poisson**2)
+	return modulus * math.sqrt(geom.refR1 * geom.refR2 / (geom.refR1 + geom.refR2)), 2 * (1 - material.poisson) / (2 - material.poisson)
 
 
 def _ofRolling(phys, geom, material):
@@ -204,7 +211,7 @@ def _ofRolling(phys, geom, material):
 		return ""
 	if not isinstance(phys, wrapper.RollingIceBondPhys):
 		return "is not made by its material, which resists rolling"
-	stiffness = material.alphaKr * phys.stiffnessRatio * phys.grainStiffness * geom.refR1 * geom.refR2
+	stiffness = material.alphaKr * phys.stiffnessRatio * (phys.kno or phys.grainStiffness) * geom.refR1 * geom.refR2
 	if _differs(phys.kr, stiffness) or _differs(phys.maxRollPl, material.etaRoll * min(geom.refR1, geom.refR2)):
 		return "resists rolling in another way than its material gives"
 	return ""

@@ -24,6 +24,7 @@ stiffnessSafety = 0.3  # time step in units of sqrt(m/k_n) of the smallest grain
 inertialLimit = 1e-3  # largest inertial number while a stress is servoed (careful value of the DEM literature)
 chunkSteps = 200  # DEM steps between two looks at the convergence of the compaction
 compactionSteps = 400_000  # DEM steps, fewest of those after which a compaction is given up; more where their time step is shorter
+hertzPressure = 100e3  # that the time step of Hertz's grains is chosen for; it bears some hundred times as much [Pa]
 servoMaxSteps = 600_000  # the same of the control of a stress
 servoChunk = 20  # DEM steps between two corrections of the strain rate
 servoSteps = 50  # steps in which the proportional part alone would remove an error
@@ -60,6 +61,7 @@ class Grains:
 	iceBond: tuple  # (name, value) pairs for IceBondMat
 	dimension: int = 2  # 2: discs, 3: spheres, to which thickness means nothing
 	depth: float = None  # of the cell of discs and of their masses; None: the thickness
+	poisson: float = None  # Poisson's ratio of grains whose contacts follow Hertz and Mindlin, young is then theirs; None: linear springs
 
 	@property
 	def radiusMean(self):
@@ -72,9 +74,17 @@ class Grains:
 
 	@property
 	def timeStep(self):
-		"""Stable DEM time step [s] of the ice-free packing: k_n = E r, m = rho pi r^2 t_z, of spheres rho 4/3 pi r^3."""
+		"""Stable DEM time step [s] of the ice-free packing: k_n = E r, m = rho pi r^2 t_z, of spheres rho 4/3 pi r^3; of Hertz's grains at hertzPressure."""
 		length = self.cellDepth if self.dimension == 2 else 4 / 3 * self.radiusMin
-		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * length / self.young) / math.sqrt(self.rotationalStiffening)
+		return stiffnessSafety * math.sqrt(math.pi * self.density * self.radiusMin * length / self.contactModulus) / math.sqrt(self.rotationalStiffening)
+
+	@property
+	def contactModulus(self):
+		"""Of the linear springs, or of such as are as stiff as the most loaded contacts of Hertz's grains under hertzPressure [Pa], as HertzMindlin::overLinear."""
+		if self.poisson is None:
+			return self.young
+		modulus = 2 / 3 * self.young / (1 - self.poisson**2)
+		return 1.5 * (5 * modulus**2 * hertzPressure * (self.thickness / self.radiusMin if self.dimension == 2 else 1)) ** (1 / 3)
 
 	@property
 	def rotationalStiffening(self):
@@ -92,7 +102,7 @@ class Grains:
 	@property
 	def stiffness(self):
 		"""Modulus of the packing without ice, in order of magnitude [Pa]."""
-		return self.young * (self.radiusMean / self.thickness if self.dimension == 2 else 0.5)
+		return self.contactModulus * (self.radiusMean / self.thickness if self.dimension == 2 else 0.5)
 
 	@property
 	def meanSolid(self):
@@ -103,6 +113,8 @@ class Grains:
 	def material(self, friction):
 		"""The material of the grains with a friction coefficient: IceBondMat, or FrictMat without ice."""
 		common = dict(young=self.young, poisson=self.stiffnessRatio, frictionAngle=math.atan(friction), density=self.density, label="grain")
+		if self.poisson is not None:
+			common.update(poisson=self.poisson, hertzMindlin=True)
 		if self.ice:
 			rolling = wrapper.RollingIceBondMat if self.resistsRolling else wrapper.IceBondMat
 			return (wrapper.MomentIceBondMat if self.bondsCarryMoments else rolling)(**common, **dict(self.iceBond))
@@ -448,7 +460,7 @@ def strainLimit(grains, pressure):
 	if grains.dimension == 3:
 		return inertialLimit * grains.timeStep / (2 * grains.radiusMean) * math.sqrt(pressure / grains.density)
 	slowness = math.sqrt(grains.rotationalStiffening)  # of the time step
-	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.young * grains.radiusMean)) / slowness
+	return 0.5 * inertialLimit * stiffnessSafety * math.sqrt(math.pi * pressure * grains.thickness / (grains.contactModulus * grains.radiusMean)) / slowness
 
 
 def contactStiffness():

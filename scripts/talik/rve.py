@@ -103,6 +103,7 @@ def prepare(
 	cache=True,
 	realisations=None,
 	dimension=2,
+	poisson=None,
 	**iceBond,
 ):
 	"""The sample of Yu & Zhao sect. 3.1: discs compacted to an isotropic pressure, in equilibrium, without ice; or spheres in the same way.
@@ -130,6 +131,8 @@ def prepare(
 	realisations    a number: that many samples of other random positions, a list, for RveSkeleton(samples=[…]); they are made by as many
 					yades at a time as there are cores. The first one is the sample of `seed` alone
 	dimension       2: discs, for ground in the plane; 3: spheres, for ground in space
+	poisson         Poisson's ratio of the grains, 0 to below 0.5: contacts follow Hertz and Mindlin (IceBondMat.hertzMindlin), young is Young's modulus of the
+					grains, and stiffnessRatio follows. Such samples stiffen with pressure. Default: linear springs
 	iceBond         further attributes of IceBondMat, e.g. iceYoung=3e9; with one of RollingIceBondMat, e.g. etaRoll=0.2, grains resist rolling;
 					with one of MomentIceBondMat, e.g. bondRadiusFactor=1, ice bonds carry moments
 
@@ -141,7 +144,7 @@ def prepare(
 	_require("thickness", thickness, thickness is None or dimension == 2, "left out for spheres")
 	thickness = 0.1 if thickness is None and dimension == 2 else thickness
 	porosity = {2: 0.18, 3: 0.39}[dimension] if porosity is None else porosity
-	material = _checkedGrains(grains, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond, dimension)
+	material = _checkedGrains(grains, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond, dimension, poisson)
 	_require("pressure", pressure, pressure > 0, "a compression in Pa, greater than 0")
 	low, high = {2: (0.10, 0.23), 3: (0.25, 0.65)}[dimension]
 	_require("porosity", porosity, low <= porosity <= high, f"a porosity between {low:.2f} and {high:.2f} (dense and loose limits of {_kind[dimension]})")
@@ -176,6 +179,7 @@ def prepare(
 		ice=material.ice,
 		cache=folder,
 		**({} if dimension == 2 else dict(dimension=3)),
+		**({} if poisson is None else dict(poisson=poisson)),
 		**iceBond,
 	)
 	with ranks.inTurn("preparing realisations"):
@@ -540,12 +544,13 @@ def _valuesOf(material):
 	values = dataclasses.asdict(material)
 	if values["dimension"] == 2:
 		del values["dimension"]
-	if values["depth"] is None:
-		del values["depth"]
+	for name in ("depth", "poisson"):
+		if values[name] is None:
+			del values[name]
 	return values
 
 
-def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond, dimension):
+def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, damping, ice, iceBond, dimension, poisson=None):
 	_require("grains", number, _isWhole(number) and number >= 20, "a whole number, at least 20")
 	try:
 		smallest, largest = (float(r) for r in radius)
@@ -561,6 +566,8 @@ def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, da
 	available = packing.iceBondAvailable()
 	_require("ice", ice, not ice or available, "False: the ice-bond classes of Talik are not loaded")
 	withIce = available if ice is None else bool(ice)
+	_require("poisson", poisson, poisson is None or 0 <= poisson < 0.5, "Poisson's ratio of the grains, from 0 to below 0.5")
+	_require("ice", ice, withIce or poisson is None, "True for grains of Hertz and Mindlin (poisson): FrictMat has linear springs")
 	_require("ice", ice, withIce or not iceBond, f"True when attributes of IceBondMat are given ({', '.join(iceBond)})")
 	return Grains(
 		number=number,
@@ -575,6 +582,7 @@ def _checkedGrains(number, radius, thickness, young, stiffnessRatio, density, da
 		iceBond=tuple(sorted(iceBond.items())),
 		dimension=dimension,
 		depth=None if dimension == 3 or thickness > thinnest else max(0.1, 1.05 * thinnest),
+		poisson=None if poisson is None else float(poisson),
 	)
 
 

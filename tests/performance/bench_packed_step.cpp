@@ -2,8 +2,7 @@
 // Time of one step of the packed sample. The stock YADE figure for the same sample and motion:
 //   yade -n -x -j1 tests/yade/time_stock_step.py
 // To compare, run both in turn in one shell loop: machines are not equally fast at all times.
-#include "../unit/packedReference.hpp"
-#include "../unit/packedSpheres.hpp"
+#include "../unit/packedStarts.hpp"
 #include <benchmark/benchmark.h>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
 
@@ -74,6 +73,9 @@ void frictional(benchmark::State& bench) { run(bench, reference().state(), bench
 void bonded(benchmark::State& bench) { run(bench, frozen(0.5), bench.range(0), 0); }
 void bondedWithBreakage(benchmark::State& bench) { run(bench, frozen(0.06), bench.range(0), 0.05); }
 
+void frictionalHertz(benchmark::State& bench) { run(bench, packedStarts::hertzian<2>(reference().state()), bench.range(0), 0); }
+void bondedHertz(benchmark::State& bench) { run(bench, packedStarts::frozenOf<2>(packedStarts::hertzian<2>(reference().state()), 0.5, 20), bench.range(0), 0); }
+
 /// The sample of grains that resist rolling.
 State rolling(State state)
 {
@@ -143,6 +145,7 @@ void run(benchmark::State& bench, const packedSpheres::State& state)
 	time(bench, sample, motion);
 }
 void frictionalSpheres(benchmark::State& bench) { run(bench, spheres()); }
+void frictionalHertzSpheres(benchmark::State& bench) { run(bench, packedStarts::hertzian<3>(spheres())); }
 void bondedSpheres(benchmark::State& bench) { run(bench, frozenSpheres()); }
 
 /// One update of many samples, all of it: load, motion, tangent, store.
@@ -170,9 +173,12 @@ void pool(benchmark::State& bench)
 BENCHMARK(frictional)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bonded)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bondedWithBreakage)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(frictionalHertz)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(bondedHertz)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(frictionalRolling)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bondedRolling)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bondedWithMoments)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(frictionalSpheres)->ArgName("portable")->Arg(0)->Arg(1);
+BENCHMARK(frictionalHertzSpheres)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(bondedSpheres)->ArgName("portable")->Arg(0)->Arg(1);
 BENCHMARK(pool)->ArgName("steps")->Arg(10)->Arg(50)->Arg(200);

@@ -53,6 +53,19 @@ template <int Dim> PackedState<Dim> tiled(const PackedState<Dim>& one, const std
 	return settled.state();
 }
 
+/// The same with grains of Hertz and Mindlin, which are about as stiff there as the linear springs.
+constexpr double                    youngOfGrains = 2e10, poissonOfGrains = 0.2;
+template <int Dim> PackedState<Dim> hertzian(PackedState<Dim> s)
+{
+	auto grains      = std::make_shared<PackedGrains>(*s.grains);
+	grains->hertz    = HertzMindlin::of(youngOfGrains, poissonOfGrains, youngOfGrains, poissonOfGrains);
+	s.ice.young      = youngOfGrains;
+	s.stiffnessRatio = grains->hertz.shearRatio;
+	s.grains         = grains;
+	s.dt *= 0.5;
+	return s;
+}
+
 /// With bonds that form and stiffen in so many parts.
 template <int Dim> PackedState<Dim> frozenOf(const PackedState<Dim>& start, double iceSaturation, int parts = 1)
 {

@@ -212,6 +212,26 @@ std::string refusal(const std::string& wishes)
 
 TEST(SampleDevice, discsHaveTheBitsOfTheProcessorThawedFrozenBreakingAndRefreezing) { expectSameWhateverHappens<2>(makeTwin()); }
 
+namespace {
+template <int Dim> void expectSameOfHertz(const std::shared_ptr<SampleDevice>& device)
+{
+	const auto start = hertzian<Dim>(thawed<Dim>());
+	const auto of    = [](int r, int s) {
+                const double ice = s == 0 || r < 6 ? 0 : r < 12 ? 0.05 * (r - 5) : r < 18 ? 0.05 * (17 - r) : 0;
+                return Round { 1e-3, 3e-4 * std::sin(r), ice };
+	};
+	const auto use = expectSameRun<Dim>({ start, start }, 30, device, of, "grains of Hertz and Mindlin, thawed, freezing and thawing", 5, 40);
+	EXPECT_EQ(use.left, 0u);
+	EXPECT_GT(use.lists, std::size_t(10));
+}
+} // namespace
+
+TEST(SampleDevice, grainsOfHertzAndMindlinHaveTheBitsOfTheProcessorThroughFreezingAndThawing)
+{
+	expectSameOfHertz<2>(makeTwin());
+	expectSameOfHertz<3>(makeTwin());
+}
+
 TEST(SampleDevice, spheresHaveTheBitsOfTheProcessorThawedFrozenBreakingAndRefreezing) { expectSameWhateverHappens<3>(makeTwin()); }
 
 namespace {

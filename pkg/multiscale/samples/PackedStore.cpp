@@ -56,8 +56,9 @@ PackedStore<Dim>::PackedStore(std::vector<StatePointer> p)
 // stiffness of grains and ice in contact, k_n/t_z or k_n/r: holds also for samples that have lost their contacts for a moment
 template <int Dim> double PackedStore<Dim>::oedometricModulus(int prototype, double iceSaturation) const
 {
-	const auto&  state = *prototypes.at(prototype);
-	const double young = state.ice.youngAt(iceSaturation);
+	const auto& state = *prototypes.at(prototype);
+	// of Hertz's grains under ten times the stress of the prototype
+	const double young = state.ice.youngAt(iceSaturation) + state.ice.young * (overLinear(state, *state.grains, meanRadius[prototype], 10) - 1);
 	return Dim == 2 ? 1.1 * young * meanRadius[prototype] / state.thickness : 0.8 * young;
 }
 

@@ -108,7 +108,7 @@ namespace N_ONE {
 	HWY_INLINE bool Ne(One a, One b) { return a.value != b.value; }
 	HWY_INLINE One  IfThenElse(bool condition, One yes, One no) { return condition ? yes : no; }
 	HWY_INLINE One  zeroLike(One) { return { 0 }; }
-	HWY_INLINE One  oneLike(One) { return { 1 }; }
+	HWY_INLINE One  alike(One, double value) { return { value }; }
 	HWY_INLINE bool holdsSomewhere(One, bool condition) { return condition; }
 
 	/// Two neighbours in memory, read and written at once.

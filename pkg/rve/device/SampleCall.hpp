@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <pkg/icebond/IceBond.hpp>
 
 /// What host and kernels of a card say to each other. Plain data, laid out alike by every compiler.
 namespace talik {
@@ -11,8 +12,8 @@ constexpr int mostImages = 40;
 
 /// Where a sample lies in its place on the card: numbers of grains and pairs row by row, then what is no double.
 struct PlaceLayout {
-	std::int32_t grains, pairs; ///< lengths of the rows
-	std::int32_t dimension, bonded;
+	std::int32_t grains, pairs;                         ///< lengths of the rows
+	std::int32_t dimension, bonded, hertz;              ///< hertz: grains of Hertz and Mindlin
 	std::int32_t index, incidence, start, bond, images; ///< [bytes]
 	std::int32_t bytes;
 
@@ -21,17 +22,18 @@ struct PlaceLayout {
 	constexpr std::int32_t motionRows() const { return dimension == 2 ? 6 : 9; }
 	constexpr std::int32_t grainRows() const { return motionRows() + 5; }
 	constexpr std::int32_t shearRows() const { return dimension == 2 ? 1 : 3; }
-	/// Rows of pairs: shear forces, sum of radii, stiffness, spheres (r_1 - r_2)/2; bonded: shear forces of the ice, offset, floor, cohesion, share
-	/// of the ice, k_g, area, u_grain, u_ice.
+	/// Rows of pairs: shear forces, sum of radii, stiffness (of Hertz's grains H), spheres (r_1 - r_2)/2; bonded: shear forces of the ice, offset,
+	/// floor, cohesion, share of the ice, k_g, area, u_grain, u_ice.
 	constexpr std::int32_t pairRows() const { return shearRows() + dimension + (bonded ? shearRows() + 8 : 0); }
 
-	static constexpr PlaceLayout of(int dimension, int grains, int pairs, bool bonded)
+	static constexpr PlaceLayout of(int dimension, int grains, int pairs, bool bonded, bool hertz)
 	{
 		PlaceLayout l {};
 		l.grains    = grains;
 		l.pairs     = pairs;
 		l.dimension = dimension;
 		l.bonded    = bonded;
+		l.hertz     = hertz;
 		l.index     = std::int32_t(sizeof(double)) * (l.grainRows() * grains + l.pairRows() * pairs);
 		l.incidence = l.index + 4 * pairs;
 		l.start     = l.incidence + 4 * pairs;
@@ -40,7 +42,10 @@ struct PlaceLayout {
 		l.bytes     = (l.images + mostImages * dimension + 255) / 256 * 256;
 		return l;
 	}
-	bool operator==(const PlaceLayout& o) const { return dimension == o.dimension && bonded == o.bonded && grains == o.grains && pairs == o.pairs; }
+	bool operator==(const PlaceLayout& o) const
+	{
+		return dimension == o.dimension && bonded == o.bonded && hertz == o.hertz && grains == o.grains && pairs == o.pairs;
+	}
 };
 
 /// Which grains a pair joins, and which image of the cell, in 32 bits.
@@ -77,8 +82,9 @@ struct SampleCall {
 	double        norm, strainRate; ///< of the velocity gradient [1/s]
 	double        dt, damping, friction, stiffnessRatio;
 	double        iceRatio, tensileStrength, shearStrength, thickness;
-	double        skin, travel, stretch, largestRadius, smallestRadius;            ///< see PackedListUse
-	double        meanRadius, young, bondAreaFactor, bondRange;                    ///< for new lists and bonds
+	double        skin, travel, stretch, largestRadius, smallestRadius; ///< see PackedListUse
+	double        meanRadius, young, bondAreaFactor, bondRange;         ///< for new lists and bonds
+	HertzMindlin  elasticity;
 	std::int32_t  grains, pairs, inside, images, moving, resting, thawed, tangent; ///< images >= 1: the first one moves the cell
 	std::int32_t  iceParts, stepsOfIce;
 	std::int32_t  carries;      ///< the processor would carry bonds, intact, broken or gone
@@ -120,10 +126,10 @@ struct KernelArguments {
 /// A kernel as host and card name it: so many threads, each with so many grains and pairs.
 struct KernelShape {
 	const char*  name;
-	std::int32_t dimension, threads, grainsEach, pairsEach, bonded;
+	std::int32_t dimension, threads, grainsEach, pairsEach, bonded, hertz;
 	bool         holds(const PlaceLayout& l) const
 	{
-		return dimension == l.dimension && bonded == l.bonded && threads * grainsEach >= l.grains && threads * pairsEach >= l.pairs;
+		return dimension == l.dimension && bonded == l.bonded && hertz == l.hertz && threads * grainsEach >= l.grains && threads * pairsEach >= l.pairs;
 	}
 };
 

@@ -192,7 +192,7 @@ namespace N_ONE {
 		             smaller = second < first ? second : first;
 		for (int d = 0; d < At::shearRows; ++d)
 			place.pair(At::iceShear + d, p) = 0;
-		place.pair(At::grainStiffness, p) = place.pair(At::stiffness, p);
+		place.pair(At::grainStiffness, p) = call.elasticity.acts() ? 2 * call.young * first * second / (first + second) : place.pair(At::stiffness, p);
 		place.pair(At::area, p)           = call.bondAreaFactor * smaller * smaller;
 		place.setBond(p, IceBond());
 		place.setResponse(p, IceBond().response(place.contactStiffness(call, p), place.strength(call, p)));
@@ -204,7 +204,7 @@ namespace N_ONE {
 	{
 		using Former             = Place<Dim, !Bonded>;
 		using Here               = Place<Dim, Bonded>;
-		const PlaceLayout layout = PlaceLayout::of(Dim, call.grains, call.formerPairs, !Bonded);
+		const PlaceLayout layout = PlaceLayout::of(Dim, call.grains, call.formerPairs, !Bonded, call.elasticity.acts());
 		const Former      former(call.formerPlace, layout);
 		constexpr int     ofGrains = Here::motionRows + Here::constants, ofPairs = Here::shearRows + Dim; // what both have
 		together(threads, [&](int t) TALIK_INLINED {

@@ -57,16 +57,18 @@ template <int Dim> std::string SampleImage<Dim>::reasonAgainst() const
 
 template <int Dim> PlaceLayout SampleImage<Dim>::layout() const
 {
-	return layoutOf(int(workspace.grainCount), int(workspace.innerLanes.pairs + workspace.periodicLanes.pairs), workspace.carriesBonds);
+	return layoutOf(
+	        int(workspace.grainCount), int(workspace.innerLanes.pairs + workspace.periodicLanes.pairs), workspace.carriesBonds,
+	        workspace.grains->hertz.acts());
 }
 
-template <int Dim> PlaceLayout SampleImage<Dim>::layoutOf(int grains, int pairs, bool bonded)
+template <int Dim> PlaceLayout SampleImage<Dim>::layoutOf(int grains, int pairs, bool bonded, bool hertz)
 {
 	const int   wanted  = int(std::max((1 + sparePairs) * pairs, pairsOfAGrain<Dim> * grains)) / pairStep + 1;
 	const auto& kernels = sampleKernels();
-	const auto  roomy   = PlaceLayout::of(Dim, grains, wanted * pairStep, bonded);
+	const auto  roomy   = PlaceLayout::of(Dim, grains, wanted * pairStep, bonded, hertz);
 	if (std::any_of(kernels.begin(), kernels.end(), [&](const KernelShape& k) { return k.holds(roomy); })) return roomy;
-	return PlaceLayout::of(Dim, grains, (pairs / pairStep + 1) * pairStep, bonded);
+	return PlaceLayout::of(Dim, grains, (pairs / pairStep + 1) * pairStep, bonded, hertz);
 }
 
 template <int Dim> void SampleImage<Dim>::write(const PlaceLayout& l, std::vector<unsigned char>& bytes) const
@@ -149,6 +151,7 @@ template <int Dim> SampleCall SampleImage<Dim>::call() const
 	c.smallestRadius  = workspace.smallestRadius;
 	c.meanRadius      = workspace.averageRadius;
 	c.young           = workspace.base.ice.young;
+	c.elasticity      = workspace.grains->hertz;
 	c.bondAreaFactor  = workspace.base.ice.bondAreaFactor;
 	c.bondRange       = workspace.base.ice.bondRange;
 	c.bondsOutlast    = workspace.base.ice.bondsOutlastIce();

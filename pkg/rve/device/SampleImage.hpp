@@ -21,7 +21,7 @@ public:
 	bool        carriesBonds() const { return workspace.carriesBonds; }
 	PlaceLayout layout() const;
 	/// With room for lists of so many pairs and for some more.
-	static PlaceLayout layoutOf(int grains, int pairs, bool bonded);
+	static PlaceLayout layoutOf(int grains, int pairs, bool bonded, bool hertz);
 	void               write(const PlaceLayout&, std::vector<unsigned char>& bytes) const;
 	/// What calls of this sample have in common: all but place, velocity gradient and steps.
 	SampleCall call() const;

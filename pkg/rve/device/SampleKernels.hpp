@@ -12,12 +12,6 @@ namespace N_ONE {
 
 	// ---------------------------------------------------------------------------------------------- laws
 
-	HWY_INLINE One damped(One acceleration, One velocity, One damping, One halfStep)
-	{
-		const One power = Mul(acceleration, MulAdd(halfStep, acceleration, velocity));
-		return NegMulAdd(CopySignToAbs(damping, power), acceleration, acceleration);
-	}
-
 	/// 1 or -1
 	HWY_INLINE One signOf(int negative) { return { negative ? -1. : 1. }; }
 
@@ -78,21 +72,30 @@ namespace N_ONE {
 		return c;
 	}
 
+	/// What a shear increment goes by at an overlap.
+	template <bool Hertz, bool Bonded> HWY_INLINE One tangentOf(const PairConstants<Bonded>& c, One overlap)
+	{
+		const One tangent = grainTangent<Hertz>(c.stiffness, overlap);
+		if constexpr (Hertz && Bonded) return Add(tangent, c.iceShare);
+		else return tangent;
+	}
+
 	/// Forces of a pair from its geometry; shear and iceShear are carried along already and come back limited.
-	template <int Dim, bool Bonded, class Shear>
+	template <int Dim, bool Bonded, bool Hertz, class Shear>
 	HWY_INLINE ContactForces<One, Shear> forcesOf(
 	        const SampleCall& call, const Place<Dim, Bonded>& place, Fixed<Dim>& fixed, int p, PairConstants<Bonded>& c, One overlap, const Shear& shear,
 	        const Shear& iceShear, const Shear& increment)
 	{
 		if constexpr (Bonded) {
-			const ContactResponse<One> contact { c.stiffness, c.offset, c.floor, c.cohesion, c.iceShare };
+			const ContactResponse<One> springs { c.stiffness, c.offset, c.floor, c.cohesion, c.iceShare },
+			        contact = responseAt<Hertz>(springs, overlap);
 			return bondedForces(contact, One { call.friction }, overlap, shear, iceShear, increment, NoMoments(), [&](bool, auto& f) TALIK_INLINED {
 				settle<Dim>(call, place, fixed, p, f);
 				c = constantsOf<Dim, true>(place, p);
 			});
 		} else {
 			(void)place, (void)fixed, (void)p, (void)iceShear;
-			return frictionalForces(c.stiffness, One { call.friction }, overlap, shear, increment);
+			return frictionalForces(grainSecant<Hertz>(c.stiffness, overlap), One { call.friction }, overlap, shear, increment);
 		}
 	}
 
@@ -339,7 +342,8 @@ namespace N_ONE {
 					double       n[3]   = { 0, 0, 0 };
 					const double square = branchOf(s, place, p, n), distance = __builtin_sqrt(square), sum = place.pair(At::sumRadius, p);
 					const double overlap   = sum - distance;
-					double       stiffness = place.pair(At::stiffness, p);
+					const double own       = place.pair(At::stiffness, p);
+					double       stiffness = ContactStiffness { own, 0, 0, Kernel::Hertz ? own : 0 }.grainSpring(overlap).tangent;
 					for (int d = 0; d < Dim; ++d)
 						n[d] /= distance;
 					bool bears = !(square > sum * sum || overlap < 0);
@@ -347,7 +351,8 @@ namespace N_ONE {
 						if (s.fixed.carries) {
 							const IceBond bond = place.iceBond(p).relaxed(overlap);
 							bears              = !(overlap < 0 && !bond.intact());
-							stiffness          = bond.response(place.contactStiffness(call, p), place.strength(call, p)).stiffness;
+							const auto k       = place.contactStiffness(call, p);
+							stiffness          = k.spring(bond.response(k, place.strength(call, p)), overlap).tangent;
 						}
 					const double factor = distance * distance * stiffness / volume;
 					s.ofPair(0, p)      = { { bears ? factor : 0. }, { n[0] } };
@@ -385,10 +390,10 @@ namespace N_ONE {
 	// ---------------------------------------------------------------------------------------------- discs
 
 	/// Rows of grains in the block: x, v; of pairs: G, then s and s u_n/2.
-	template <int ThreadsOfBlock, int GrainsEach, int PairsEach, bool WithBonds> struct DiscsOf {
+	template <int ThreadsOfBlock, int GrainsEach, int PairsEach, bool WithBonds, bool OfHertz> struct DiscsOf {
 		static constexpr int  Dim = 2, Threads = ThreadsOfBlock, Pairs = PairsEach;
-		static constexpr bool Bonded = WithBonds;
-		using At                     = Place<2, Bonded>;
+		static constexpr bool Bonded = WithBonds, Hertz = OfHertz;
+		using At = Place<2, Bonded>;
 
 		Own<One, PairsEach, Threads>                   shear;
 		Own<One, Bonded ? PairsEach : 0, Threads>      ice;
@@ -442,8 +447,9 @@ namespace N_ONE {
 				const One              overlap = Sub(c.sumRadius, distance), nx = Mul(dx, inverse), ny = Mul(dy, inverse);
 				const One              tangential = MulSub(dvy, nx, Mul(dvx, ny));
 				const One              slip       = MulSub(Mul(c.sumRadius, inverse), tangential, wr);
-				const One              increment  = Mul(Mul(shearStep, c.stiffness), slip);
-				const auto f = forcesOf<2, Bonded>(call, place, s.fixed, p, c, overlap, shear(t, k), Bonded ? ice(t, k) : One { 0 }, increment);
+				const One              increment  = Mul(Mul(shearStep, tangentOf<Hertz>(c, overlap)), slip);
+				const auto             f          = forcesOf<2, Bonded, Hertz>(
+                                        call, place, s.fixed, p, c, overlap, shear(t, k), Bonded ? ice(t, k) : One { 0 }, increment);
 				if (Bonded) ice(t, k) = f.iceShear;
 				shear(t, k)    = f.shear;
 				s.ofPair(0, p) = { NegMulAdd(f.shear, ny, Mul(f.normal, nx)), MulAdd(f.shear, nx, Mul(f.normal, ny)) };
@@ -539,20 +545,6 @@ namespace N_ONE {
 
 	using Vector = InSpace<One>;
 
-	HWY_INLINE Vector cross(const Vector& a, const Vector& b)
-	{
-		return { MulSub(a.y, b.z, Mul(a.z, b.y)), MulSub(a.z, b.x, Mul(a.x, b.z)), MulSub(a.x, b.y, Mul(a.y, b.x)) };
-	}
-	/// a x b + c
-	HWY_INLINE Vector crossAdd(const Vector& a, const Vector& b, const Vector& c)
-	{
-		return { NegMulAdd(a.z, b.y, MulAdd(a.y, b.z, c.x)), NegMulAdd(a.x, b.z, MulAdd(a.z, b.x, c.y)), NegMulAdd(a.y, b.x, MulAdd(a.x, b.y, c.z)) };
-	}
-	HWY_INLINE Vector mulAdd(One a, const Vector& b, const Vector& c) { return { MulAdd(a, b.x, c.x), MulAdd(a, b.y, c.y), MulAdd(a, b.z, c.z) }; }
-	HWY_INLINE Vector damped(const Vector& a, const Vector& v, One damping, One halfStep)
-	{
-		return { damped(a.x, v.x, damping, halfStep), damped(a.y, v.y, damping, halfStep), damped(a.z, v.z, damping, halfStep) };
-	}
 	/// M x + b
 	HWY_INLINE Vector timesAdd(const double* m, const Vector& x, const Vector& b)
 	{
@@ -562,10 +554,10 @@ namespace N_ONE {
 	}
 
 	/// Rows of grains in the block: x, y; z, w_y r; v_x, v_y; v_z, w_z r (and w_x r beside w_x); of pairs: G, n x s, levers of first and second.
-	template <int ThreadsOfBlock, int GrainsEach, int PairsEach, bool WithBonds> struct SpheresOf {
+	template <int ThreadsOfBlock, int GrainsEach, int PairsEach, bool WithBonds, bool OfHertz> struct SpheresOf {
 		static constexpr int  Dim = 3, Threads = ThreadsOfBlock, Pairs = PairsEach;
-		static constexpr bool Bonded = WithBonds;
-		using At                     = Place<3, Bonded>;
+		static constexpr bool Bonded = WithBonds, Hertz = OfHertz;
+		using At = Place<3, Bonded>;
 
 		Own<Vector, PairsEach, Threads>                shear;
 		Own<Vector, Bonded ? PairsEach : 0, Threads>   ice;
@@ -641,9 +633,8 @@ namespace N_ONE {
 				rim.z = Add(c.y, d.y);
 				if (code >> 24) {
 					const Image<3>& image = s.fixed.image[(code >> 24) - 1];
-					branch   = { Add(branch.x, { image.place[0] }), Add(branch.y, { image.place[1] }), Add(branch.z, { image.place[2] }) };
-					velocity = { Add(velocity.x, { image.speed[0] }), Add(velocity.y, { image.speed[1] }),
-						     Add(velocity.z, { image.speed[2] }) };
+					branch                = Add(branch, Vector { { image.place[0] }, { image.place[1] }, { image.place[2] } });
+					velocity              = Add(velocity, Vector { { image.speed[0] }, { image.speed[1] }, { image.speed[2] } });
 				}
 				PairConstants<Bonded>& constant = constants(t, k);
 				const One              distance = Sqrt(dot(branch, branch)), inverse = Div({ 1. }, distance);
@@ -652,16 +643,16 @@ namespace N_ONE {
 				const Vector           across    = cross(n, velocity);
 				const One              bend      = MulAdd(Mul(turning, dot(velocity, n)), turning, turning);
 				const Vector           slip      = cross(n, NegMulAdd(stretch, across, rim));
-				const Vector           turn      = mulAdd(bend, across, scaled(n, Mul(halfStep, dot(n, spin))));
-				const Vector           increment = scaled(slip, Mul(shearStep, constant.stiffness));
+				const Vector           turn      = MulAdd(bend, across, scaled(n, Mul(halfStep, dot(n, spin))));
 				const One              overlap   = Sub(constant.sumRadius, distance);
+				const Vector           increment = scaled(slip, Mul(shearStep, tangentOf<Hertz>(constant, overlap)));
 				const Vector           before = shear(t, k), carried = crossAdd(turn, before, before);
 				Vector                 ofIce { { 0 }, { 0 }, { 0 } };
 				if (Bonded) {
 					ofIce = ice(t, k);
 					ofIce = crossAdd(turn, ofIce, ofIce);
 				}
-				const auto f = forcesOf<3, Bonded>(call, place, s.fixed, p, constant, overlap, carried, ofIce, increment);
+				const auto f = forcesOf<3, Bonded, Hertz>(call, place, s.fixed, p, constant, overlap, carried, ofIce, increment);
 				if (Bonded) ice(t, k) = f.iceShear;
 				shear(t, k)       = f.shear;
 				const Vector m    = cross(n, f.shear);
@@ -694,10 +685,10 @@ namespace N_ONE {
 				const One    minusInverseMass { place.constant(0, g) }, inverseInertia { place.constant(1, g) };
 				const Vector meanField = timesAdd(l.now, x, none);
 				const Vector a         = timesAdd(l.now, v, damped(scaled(f, minusInverseMass), Sub(v, meanField), damping, halfStep));
-				Vector       velocity  = mulAdd(dt, a, v);
+				Vector       velocity  = MulAdd(dt, a, v);
 				const Vector carried   = Sub(velocity, meanField);
 				raise(most, bitsOf(Mul({ place.constant(3, g) }, dot(carried, carried))));
-				Vector turned = mulAdd(dt, damped(scaled(moment, inverseInertia), w, damping, halfStep), w);
+				Vector turned = MulAdd(dt, damped(scaled(moment, inverseInertia), w, damping, halfStep), w);
 				if (jumps) {
 					double leap[9];
 					TALIK_UNROLL for (int m = 0; m < 9; ++m) leap[m] = l.next[m] - l.now[m];
@@ -705,7 +696,7 @@ namespace N_ONE {
 					turned = { Add(turned.x, { -0.5 * (leap[5] - leap[7]) }), Add(turned.y, { -0.5 * (leap[6] - leap[2]) }),
 						   Add(turned.z, { -0.5 * (leap[1] - leap[3]) }) };
 				}
-				put(s, g, mulAdd(dt, velocity, x), velocity, turned, { place.constant(2, g) });
+				put(s, g, MulAdd(dt, velocity, x), velocity, turned, { place.constant(2, g) });
 			}
 		}
 
@@ -755,11 +746,9 @@ namespace N_ONE {
 		}
 	};
 
-	template <int Dim, int Threads, int GrainsEach, int PairsEach, bool Bonded> struct KernelOf {
-		using Type = Run<DiscsOf<Threads, GrainsEach, PairsEach, Bonded>>;
-	};
-	template <int Threads, int GrainsEach, int PairsEach, bool Bonded> struct KernelOf<3, Threads, GrainsEach, PairsEach, Bonded> {
-		using Type = Run<SpheresOf<Threads, GrainsEach, PairsEach, Bonded>>;
+	template <int Dim, int Threads, int GrainsEach, int PairsEach, bool Bonded, bool Hertz> struct KernelOf {
+		using Type = Run<std::conditional_t<
+		        Dim == 2, DiscsOf<Threads, GrainsEach, PairsEach, Bonded, Hertz>, SpheresOf<Threads, GrainsEach, PairsEach, Bonded, Hertz>>>;
 	};
 
 } // namespace N_ONE

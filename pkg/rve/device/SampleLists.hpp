@@ -252,7 +252,7 @@ namespace N_ONE {
 			for (int d = 0; d < shears; ++d)
 				place.pair(At::shear + d, p) = history.shear[d];
 			place.pair(At::sumRadius, p) = first + second;
-			place.pair(At::stiffness, p) = grain;
+			place.pair(At::stiffness, p) = call.elasticity.acts() ? call.elasticity.stiffness(own, ownSecond) : grain;
 			if constexpr (Dim == 3) place.pair(At::halfDifference, p) = 0.5 * (first - second);
 			if constexpr (Bonded) {
 				const double smaller = ownSecond < own ? ownSecond : own;

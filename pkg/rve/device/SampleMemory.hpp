@@ -131,7 +131,7 @@ namespace N_ONE {
 		}
 		HWY_INLINE ContactStiffness contactStiffness(const SampleCall& call, int p) const
 		{
-			return { pair(grainStiffness, p), call.stiffnessRatio, call.iceRatio };
+			return { pair(grainStiffness, p), call.stiffnessRatio, call.iceRatio, call.elasticity.acts() ? pair(stiffness, p) : 0 };
 		}
 		HWY_INLINE BondStrength strength(const SampleCall& call, int p) const
 		{

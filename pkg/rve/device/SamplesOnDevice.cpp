@@ -123,7 +123,7 @@ typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::broughtHome(PackedWor
 
 template <int Dim> double SampleOnDevice<Dim>::longestTimeStep()
 {
-	if (stepOfIce == now.iceSaturation) return stepKnown;
+	if (stepOfIce == now.iceSaturation && !grains->hertz.acts()) return stepKnown;
 	thread_local std::vector<double> radii; // its memory is kept
 	radii.resize(grains->size());
 	std::transform(grains->radius.begin(), grains->radius.end(), radii.begin(), [this](double r) { return r * now.radiusFactor; });
@@ -252,7 +252,7 @@ template <int Dim> bool SamplesOnDevice<Dim>::planCall(Task& task)
 	const bool bonds = away.bonded || away.now.ice.formsBonds(task.iceFrom, target);
 	if (!task.isNew && bonds != (away.layout.bonded != 0)) {
 		task.changesPlace = true;
-		task.rare().next  = SampleImage<Dim>::layoutOf(away.common.grains, away.common.pairs, bonds);
+		task.rare().next  = SampleImage<Dim>::layoutOf(away.common.grains, away.common.pairs, bonds, away.layout.hertz != 0);
 	}
 	return parts > 0 ? planIce(task) : planMotion(task);
 }

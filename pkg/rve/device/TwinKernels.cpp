@@ -6,10 +6,10 @@
 namespace talik {
 
 namespace {
-	template <int Dim, int Threads, int GrainsEach, int PairsEach, bool Bonded> constexpr TwinKernel twinOf(const char* name)
+	template <int Dim, int Threads, int GrainsEach, int PairsEach, bool Bonded, bool Hertz> constexpr TwinKernel twinOf(const char* name)
 	{
-		using Kernel = typename N_ONE::KernelOf<Dim, Threads, GrainsEach, PairsEach, Bonded>::Type;
-		return { { name, Dim, Threads, GrainsEach, PairsEach, Bonded },
+		using Kernel = typename N_ONE::KernelOf<Dim, Threads, GrainsEach, PairsEach, Bonded, Hertz>::Type;
+		return { { name, Dim, Threads, GrainsEach, PairsEach, Bonded, Hertz },
 			 [](const KernelArguments& arguments, int block, unsigned char* memory) { Kernel::block(arguments, block, memory); } };
 	}
 } // namespace

@@ -545,6 +545,7 @@ StiffnessBound OpenSample::stiffnessBound() const
 	});
 	bound.hasIce = hasIce();
 	if (hasIce()) bound.ice = iceMaterials.front()->model();
+	if (hasIce()) bound.ice.young *= overLinear(*scene, *iceMaterials.front(), averageRadius, 10); // of Hertz's grains under ten times the stress of now
 	const auto   contacts = tangent();
 	const double stiffest = std::max({ contacts[0], contacts[40], contacts[80] }), present = hasIce() ? bound.ice.youngAt(iceSaturation()) : bound.young;
 	bound.scale = discs ? averageRadius / (thicknessOverDepth * std::abs(scene->cell->hSize(2, 2))) : 1;

@@ -120,6 +120,7 @@ namespace {
 		auto grains     = std::make_shared<PackedGrains>();
 		grains->rolling = rollingOf(*presentBodies(scene).front()->material);
 		grains->section = sectionOf(*presentBodies(scene).front()->material);
+		if (isIceBondScene(scene)) grains->hertz = static_cast<const IceBondMat&>(*presentBodies(scene).front()->material).elasticity();
 		for (const Body* body : presentBodies(scene)) {
 			const State&      motion = *body->state;
 			const std::size_t index  = grains->size();
@@ -172,6 +173,7 @@ namespace {
 			const auto& ice     = static_cast<const IceBondMat&>(material);
 			state.ice           = ice.model();
 			state.iceSaturation = ice.iceSaturation;
+			if (ice.hertzMindlin) state.stiffnessRatio = ice.elasticity().shearRatio;
 		}
 		state.ice.young = material.young;
 	}
@@ -305,24 +307,26 @@ namespace {
 			phys->normalForce            = grain * std::max(un, 0.) * n;
 			return phys;
 		}
-		const shared_ptr<IceBondPhys> phys = openedBond(s, c, r1, r2, s.stiffnessRatio * grain);
-		phys->grainStiffness               = grain;
-		phys->stiffnessRatio               = s.stiffnessRatio;
-		phys->tangensOfFrictionAngle       = s.friction;
-		phys->iceSaturation                = s.iceSaturation;
-		phys->bondArea                     = s.ice.bondArea(std::min(r1, r2));
-		phys->gapLimit                     = s.ice.bondRange * std::min(r1, r2);
-		phys->shearForce                   = vectorOf(k.shear[c], n);
+		const double                  hertz = s.grains->hertz.stiffness(r1, r2);
+		const shared_ptr<IceBondPhys> phys  = openedBond(s, c, r1, r2, s.stiffnessRatio * (hertz > 0 ? hertz : grain));
+		phys->kno                           = hertz;
+		phys->grainStiffness                = grain;
+		phys->stiffnessRatio                = s.stiffnessRatio;
+		phys->tangensOfFrictionAngle        = s.friction;
+		phys->iceSaturation                 = s.iceSaturation;
+		phys->bondArea                      = s.ice.bondArea(std::min(r1, r2));
+		phys->gapLimit                      = s.ice.bondRange * std::min(r1, r2);
+		phys->shearForce                    = vectorOf(k.shear[c], n);
 		if (s.bonded()) {
 			phys->setBond(k.iceBond(c));
 			phys->iceShear = vectorOf(k.iceShear[c], n);
 		}
-		const IceBond bond    = phys->bond().relaxed(un);
-		const auto    contact = bond.response({ grain, s.stiffnessRatio, s.ice.iceStiffnessRatio(s.iceSaturation) }, { 0, 0 });
-		const double  force   = contact.stiffness * un - contact.offset;
-		phys->normalForce     = (bond.intact() ? force : std::max(force, 0.)) * n;
-		phys->kn              = contact.stiffness;
-		phys->ks              = s.stiffnessRatio * contact.stiffness;
+		const IceBond bond      = phys->bond().relaxed(un);
+		const auto    stiffness = phys->stiffness(s.ice.iceStiffnessRatio(s.iceSaturation));
+		const auto    spring    = stiffness.spring(bond.response(stiffness, { 0, 0 }), un);
+		phys->normalForce       = (bond.intact() ? spring.force : std::max(spring.force, 0.)) * n;
+		phys->kn                = spring.tangent;
+		phys->ks                = s.stiffnessRatio * spring.tangent;
 		return phys;
 	}
 
@@ -375,33 +379,51 @@ namespace {
 		newton.attr("prevVelGrad") = used;
 	}
 
-	double largestRadius(const Scene& scene)
+	/// Grains of a scene with a time step of their own: calls visit(body, material, radius, its stiffening). False if some body is no such grain.
+	template <class Visitor> bool forStiffening(const Scene& scene, Visitor&& visit)
 	{
-		double largest = 0;
+		double largest = 0, smallest = std::numeric_limits<double>::infinity();
 		for (const Body* body : presentBodies(scene))
-			if (const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get())) largest = std::max(largest, sphere->radius);
-		return largest;
-	}
-
-	GrainStiffening stiffeningOf(const IceBondMat& ice, double radius, double largestRadius)
-	{
-		return { rollingOf(ice).alphaKr * largestRadius / radius, GrainStiffening::momentsOf(sectionOf(ice), ice.bondAreaFactor, ice.poisson) };
+			if (const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get())) {
+				largest  = std::max(largest, sphere->radius);
+				smallest = std::min(smallest, sphere->radius);
+			}
+		bool                                all = true;
+		std::map<const IceBondMat*, double> ofGrains;
+		for (const Body* body : presentBodies(scene)) {
+			const auto* ice    = dynamic_cast<const IceBondMat*>(body->material.get());
+			const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get());
+			all                = all && ice && sphere;
+			if (!ice || !sphere) continue;
+			const double ratio = ice->hertzMindlin ? ice->elasticity().shearRatio : ice->poisson;
+			if (!ofGrains.count(ice)) ofGrains[ice] = overLinear(scene, *ice, smallest, 1);
+			visit(*body, *ice, sphere->radius,
+			      GrainStiffening { rollingOf(*ice).alphaKr * largest / sphere->radius,
+			                        GrainStiffening::momentsOf(sectionOf(*ice), ice->bondAreaFactor, ratio), ofGrains[ice] });
+		}
+		return all;
 	}
 } // namespace
 
+double overLinear(const Scene& scene, const IceBondMat& grains, double radius, double times)
+{
+	if (!grains.hertzMindlin) return 1;
+	const bool     discs     = packedDimension(scene) == 2;
+	const double   thickness = discs ? thicknessOf(scene) : 1, depth = discs ? std::abs(scene.cell->hSize(2, 2)) : 1;
+	const Matrix3r stress   = stressOf(scene, std::abs(scene.cell->hSize.determinant()) * thickness / depth);
+	const double   pressure = discs ? -(stress(0, 0) + stress(1, 1)) / 2 : -stress.trace() / 3;
+	return grains.elasticity().overLinear(grains.young, times * pressure, discs ? thickness / radius : 1);
+}
+
 double timeStepForIce(const Scene& scene)
 {
-	double       period2 = std::numeric_limits<double>::infinity(), stiffening = 1; // m/k [s^2]
-	const double largest = largestRadius(scene);
-	for (const Body* body : presentBodies(scene)) {
-		const auto* ice    = dynamic_cast<const IceBondMat*>(body->material.get());
-		const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get());
-		if (!ice || !sphere || !(ice->iceYoung > 0) || !(body->state->mass > 0)) continue;
-		const GrainStiffening grain     = stiffeningOf(*ice, sphere->radius, largest);
-		const double          stiffened = grain.total(ice->iceYoung / ice->young);
-		stiffening                      = std::max(stiffening, stiffened / grain.total(0));
-		period2                         = std::min(period2, body->state->mass / (ice->young * sphere->radius * stiffened));
-	}
+	double period2 = std::numeric_limits<double>::infinity(), stiffening = 1; // m/k [s^2]
+	forStiffening(scene, [&](const Body& body, const IceBondMat& ice, double radius, const GrainStiffening& grain) {
+		if (!(ice.iceYoung > 0 || ice.hertzMindlin) || !(body.state->mass > 0)) return;
+		const double stiffened = grain.total(ice.iceYoung / ice.young);
+		if (!ice.hertzMindlin) stiffening = std::max(stiffening, stiffened / grain.total(0)); // of Hertz's grains at a stress that is still to come
+		period2 = std::min(period2, body.state->mass / (ice.young * radius * stiffened));
+	});
 	const double limit = timeStepOverPeriod * std::sqrt(period2);
 	return scene.dt > limit ? std::min(scene.dt / std::sqrt(stiffening), limit) : scene.dt;
 }
@@ -409,19 +431,14 @@ double timeStepForIce(const Scene& scene)
 /// Time step of the motion, eq. (13.8).
 double longestTimeStep(const Scene& scene, double iceStiffness)
 {
-	double       period2 = std::numeric_limits<double>::infinity(), softening = period2; // m/k [s^2]
-	const double largest = largestRadius(scene);
-	for (const Body* body : presentBodies(scene)) {
-		const auto* ice    = dynamic_cast<const IceBondMat*>(body->material.get());
-		const auto* sphere = dynamic_cast<const Sphere*>(body->shape.get());
-		if (!ice || !sphere) return scene.dt;
-		const auto            model = ice->model();
-		const GrainStiffening grain = stiffeningOf(*ice, sphere->radius, largest);
-		const double          now   = grain.total(model.iceStiffnessRatio(ice->iceSaturation));
-		period2                     = std::min(period2, body->state->mass / (ice->young * sphere->radius * now));
-		softening                   = std::min(softening, grain.total(model.iceStiffnessRatio(1) / iceStiffness) / now);
-	}
-	return std::min(timeStepOverPeriod * std::sqrt(period2), scene.dt * std::sqrt(softening));
+	double     period2 = std::numeric_limits<double>::infinity(), softening = period2; // m/k [s^2]
+	const bool known = forStiffening(scene, [&](const Body& body, const IceBondMat& ice, double radius, const GrainStiffening& grain) {
+		const auto   model = ice.model();
+		const double now   = grain.total(model.iceStiffnessRatio(ice.iceSaturation));
+		period2            = std::min(period2, body.state->mass / (ice.young * radius * now));
+		softening          = std::min(softening, grain.total(model.iceStiffnessRatio(1) / iceStiffness) / now);
+	});
+	return known ? std::min(timeStepOverPeriod * std::sqrt(period2), scene.dt * std::sqrt(softening)) : scene.dt;
 }
 
 bool bondsCarryMoments(const Scene& scene)

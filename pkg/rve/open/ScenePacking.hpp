@@ -3,6 +3,10 @@
 #include <core/Scene.hpp>
 #include <pkg/rve/packed/PackedState.hpp>
 
+namespace yade {
+class IceBondMat;
+}
+
 namespace talik {
 
 /// Parts of a scene as objects of Python: its cell, None where it is not periodic; the bodies that were not erased; the engines of the next step.
@@ -37,6 +41,8 @@ double timeStepForIce(const yade::Scene& scene);
 /// samples are prepared with. That of the scene where a grain is not of IceBondMat. iceStiffness: factor by which the ice of the materials is
 /// stiffer than it was when the time step of the scene was chosen.
 double longestTimeStep(const yade::Scene& scene, double iceStiffness);
+/// Stiffness of the most loaded contacts of grains of a radius under a multiple of the stress of the scene, over that of linear springs [-].
+double overLinear(const yade::Scene& scene, const yade::IceBondMat& grains, double radius, double times);
 
 /// The packed form of a periodic scene of discs (YADE spheres in one layer with z and the rotations about x and y blocked) or of spheres
 /// free to move: one material, Cundall-Strack or ice-bond law. Where the scene still shows what `former` opened into, the numbers of `former` are

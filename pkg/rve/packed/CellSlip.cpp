@@ -386,15 +386,6 @@ namespace {
 			workspace.setLastStress(stress);
 		}
 
-		double stiffness() const
-		{
-			const PackedTangent<Dim> c       = workspace.tangent();
-			double                   largest = Dim == 2 ? state.ice.young * workspace.meanRadius() / state.thickness : state.ice.young;
-			for (int d = 0; d < Dim; ++d)
-				largest = std::max(largest, c[std::size_t(((d * Dim + d) * Dim + d) * Dim + d)]);
-			return largest;
-		}
-
 		/// Largest component of the stress from before less that of now, over the scale.
 		double missing() const { return (target - symmetricPart<Dim>(workspace.lastStress())).cwiseAbs().maxCoeff() / scale(); }
 		double scale() const { return std::max(target.cwiseAbs().maxCoeff(), PackedUpdateOptions().pressureFloor); }
@@ -447,8 +438,9 @@ namespace {
 		double strainTowards()
 		{
 			const double perStep = strainOfStep(), limit = perStep / workspace.timeStep();
-			const double share = 0.2 / (stiffness() * double(interval) * workspace.timeStep()), volume = std::log(workspace.parameters().volume());
-			double       strained = 0;
+			const double share  = 0.2 / (workspace.largestModulus() * double(interval) * workspace.timeStep()),
+			             volume = std::log(workspace.parameters().volume());
+			double strained     = 0;
 			for (; strained < largestShear && missing() > carriedAgain; strained += perStep * double(interval)) {
 				if (std::fabs(std::log(workspace.parameters().volume()) - volume) > largestDilation) break;
 				const Matrix rate = share * (target - symmetricPart<Dim>(workspace.lastStress()));

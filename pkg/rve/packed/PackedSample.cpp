@@ -36,11 +36,6 @@ namespace {
 		return (y * y - a).norm() < 1e-12 * a.norm();
 	}
 
-	template <int Dim> double shearModulusScale(const PackedParameters<Dim>& p, double meanRadius)
-	{
-		return Dim == 2 ? p.ice.young * meanRadius / p.thickness : p.ice.young;
-	}
-
 } // namespace
 
 bool portablePathForced() { return portableForced; }
@@ -209,7 +204,7 @@ namespace {
 			for (; done < options.maxSteps && !converged; done += options.interval) {
 				workspace.setNextVelGrad(correction(done));
 				workspace.run(options.interval, options.interval);
-				if (done / options.interval % 20 == 0) stiffness = elasticStiffness();
+				if (done / options.interval % 20 == 0) stiffness = workspace.largestModulus();
 				if (withinTolerance()) converged = atRest();
 			}
 			workspace.setNextVelGrad(Matrix::Zero());
@@ -230,15 +225,6 @@ namespace {
 		bool withinTolerance() const { return error().cwiseAbs().maxCoeff() < options.stressTolerance * scale; }
 		bool atRest() const { return workspace.statistics().unbalancedForce < options.unbalancedLimit; }
 
-		double elasticStiffness() const
-		{
-			const PackedTangent<Dim> c       = workspace.tangent();
-			double                   largest = shearModulusScale<Dim>(workspace.parameters(), workspace.meanRadius());
-			for (int d = 0; d < Dim; ++d)
-				largest = std::max(largest, c[std::size_t(((d * Dim + d) * Dim + d) * Dim + d)]);
-			return largest;
-		}
-
 		/// Strain rate that would remove a share of the stress error during one interval, within the inertial limit.
 		Matrix correction(long done)
 		{
@@ -246,7 +232,7 @@ namespace {
 			// reach their stress with it, and collapse near failure with more.
 			constexpr long patience = 100000; // steps
 			const double   share    = Dim == 3 && done >= patience ? 0.6 : 0.2;
-			if (stiffness == 0) stiffness = elasticStiffness();
+			if (stiffness == 0) stiffness = workspace.largestModulus();
 			PackedParameters<Dim> p = workspace.parameters();
 			p.stress                = Matrix::Identity() * -scale;
 			const double limit      = strainPerStep<Dim>(p, p.dt, workspace.meanRadius(), options.maxInertialNumber, 1.) / p.dt;

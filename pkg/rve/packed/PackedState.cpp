@@ -9,7 +9,7 @@ namespace talik {
 
 namespace {
 
-	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '4' };
+	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '5' };
 
 	class Writer {
 	public:
@@ -67,7 +67,7 @@ namespace {
 			stream.matrix(*m);
 		for (auto* v : { &s.dt, &s.damping, &s.thickness, &s.friction, &s.stiffnessRatio, &s.density, &s.iceSaturation, &s.radiusFactor,
 		                 &s.thawStrain.thawStrain, &s.thawStrain.frozenSaturation, &s.cellSlipStrain, &s.cellSlipStress, &s.ice.young,
-		                 &g.rolling.alphaKr, &g.rolling.etaRoll, &g.section.radiusFactor, &g.section.contribution })
+		                 &g.rolling.alphaKr, &g.rolling.etaRoll, &g.section.radiusFactor, &g.section.contribution, &g.hertz.modulus })
 			stream.value(*v);
 		for (const BondParameter& parameter : bondParameters)
 			stream.value(s.ice.*parameter.value);
@@ -148,6 +148,8 @@ template <int Dim> void PackedState<Dim>::check() const
 	const BondSection& section = grains->section;
 	if (!(section.radiusFactor >= 0) || !std::isfinite(section.radiusFactor))
 		refuse("bondRadiusFactor", section.radiusFactor, "must be finite and not negative");
+	if (!(grains->hertz.modulus >= 0) || !std::isfinite(grains->hertz.modulus))
+		refuse("hertz.modulus", grains->hertz.modulus, "Pa must be finite and not negative");
 	if (!(section.contribution >= 0 && section.contribution <= 1)) refuse("momentContribution", section.contribution, "must lie in 0..1");
 	requireSize("position", position.size(), n);
 	requireSize("velocity", velocity.size(), n);

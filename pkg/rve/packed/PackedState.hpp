@@ -35,10 +35,12 @@ struct PackedGrains {
 	std::vector<std::int32_t> id;      ///< body id in the scene the sample comes from
 	PackedRolling             rolling {};
 	BondSection               section {}; ///< of bonds that carry moments
+	HertzMindlin              hertz {};   ///< of grains without linear springs
 	std::size_t               size() const { return radius.size(); }
 	bool                      sameButRadii(const PackedGrains& other) const
 	{
-		return mass == other.mass && inertia == other.inertia && id == other.id && rolling == other.rolling && section == other.section;
+		return mass == other.mass && inertia == other.inertia && id == other.id && rolling == other.rolling && section == other.section
+		        && hertz == other.hertz;
 	}
 	bool operator==(const PackedGrains& other) const { return radius == other.radius && sameButRadii(other); }
 };
@@ -107,7 +109,7 @@ template <int Dim> struct PackedParameters {
 	double damping        = 0.2;                ///< numerical damping of the integrator [-], 0 to 1
 	double thickness      = 0.1;                ///< of the slice that carries the forces of discs: stress is divided by it [m], > 0
 	double friction       = 0.5;                ///< tangent of the contact friction angle [-], >= 0
-	double stiffnessRatio = 0.8;                ///< k_s/k_n [-], >= 0
+	double stiffnessRatio = 0.8;                ///< k_s/k_n [-], >= 0; of Hertz's grains at one overlap, that of their ice, too
 	double density        = 2650;               ///< of grains, of discs mass over area and thickness; for the inertial number only [kg/m^3], > 0
 
 	IceBondModel     ice;               ///< ice.young is the contact modulus of the grains, with or without bonds
@@ -152,6 +154,12 @@ template <int Dim> struct PackedState : PackedParameters<Dim> {
 	/// Throws std::invalid_argument naming the attribute, its value and a remedy.
 	void check() const;
 };
+
+/// HertzMindlin::overLinear of a sample under its stress, or under a multiple of it.
+template <int Dim> double overLinear(const PackedParameters<Dim>& p, const PackedGrains& grains, double radius, double times = 1)
+{
+	return grains.hertz.overLinear(p.ice.young, -times * p.stress.trace() / Dim, Dim == 2 ? p.thickness / radius : 1);
+}
 
 /// The dimension of a state in bytes: 2 or 3. Throws std::runtime_error on foreign or damaged bytes.
 int packedDimension(const std::string& bytes);

@@ -91,63 +91,64 @@ namespace HWY_NAMESPACE {
 			}
 		}
 
-		template <bool Bonded, bool Moments, bool Periodic>
+		template <bool Hertz, bool Bonded, bool Moments, bool Periodic>
 		HWY_INLINE ContactForces<Many, Many> respond(
 		        PackedStepView<2>& shared, const PackedStepView<2>& view, const Place<2>& p, const Constants& c, const Gathered& g)
 		{
-			PackedBlock<2>&           block = p.pair();
-			const Many                sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
+			PackedBlock<2>&           block   = p.pair();
+			const Many                sum     = load(block.sumRadius + p.lane);
 			const Many                overlap = Sub(sum, g.distance);
 			const Many                nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
 			const Many                tangential = MulSub(g.dvy, nx, Mul(g.dvx, ny));
 			const Many                slip       = MulSub(Mul(sum, g.inverse), tangential, g.wr);
-			const Many                increment  = Mul(Mul(c.shearStep, stiffness), slip);
+			const Many                increment  = Mul(Mul(c.shearStep, tangentOf<Hertz, Bonded>(p, overlap)), slip);
 			const Many                shear      = load(block.shear[0] + p.lane);
 			ContactForces<Many, Many> f;
 			if constexpr (Bonded) {
-				PackedIceBlock<2>&          ice = p.ice();
-				const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane),
-					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
-				f = bondedForces(
-				        contact, c.friction, overlap, shear, load(ice.iceShear[0] + p.lane), increment, bendBonds<Moments>(view, p),
-				        [&](auto failed, auto& forces)
-				                HWY_ATTR TALIK_INLINED { settleBonds<2>(shared, Periodic, packedWidth * p.block + p.lane, failed, forces); });
+				PackedIceBlock<2>& ice = p.ice();
+				f                      = bondedForces(
+				                             bondedResponse<Hertz>(p, overlap), c.friction, overlap, shear, load(ice.iceShear[0] + p.lane), increment,
+				                             bendBonds<Moments>(view, p), [&](auto failed, auto& forces) HWY_ATTR TALIK_INLINED {
+                                                settleBonds<2>(shared, Periodic, packedWidth * p.block + p.lane, failed, forces);
+                                        });
 				store(f.iceShear, ice.iceShear[0] + p.lane);
 			} else {
-				f = frictionalForces(stiffness, c.friction, overlap, shear, increment);
+				f = frictionalForces(grainSecant<Hertz>(load(block.stiffness + p.lane), overlap), c.friction, overlap, shear, increment);
 			}
 			store(f.shear, block.shear[0] + p.lane);
 			return f;
 		}
 
 		/// Moment of rolling on the second grains.
-		HWY_INLINE Many roll(const PackedStepView<2>& view, const Place<2>& p, Many normal)
+		template <bool Hertz> HWY_INLINE Many roll(const PackedStepView<2>& view, const Place<2>& p, Many overlap, Many normal)
 		{
 			PackedRollingBlock<2>& block     = p.rolling();
-			const Many             increment = Mul(Mul(splat(view.dt), load(block.stiffness + p.lane)), spinBetween(view, p, block));
-			const Many             moment    = rollingMoment(load(block.lever + p.lane), normal, load(block.moment[0] + p.lane), increment);
+			const Many             increment = Mul(
+			                    Mul(splat(view.dt), grainTangent<Hertz>(load(block.stiffness + p.lane), overlap)), spinBetween(view, p, block));
+			const Many moment = rollingMoment(load(block.lever + p.lane), normal, load(block.moment[0] + p.lane), increment);
 			store(moment, block.moment[0] + p.lane);
 			return moment;
 		}
 
 		/// Moments of the bonds that are left, and of rolling.
-		template <bool Rolling, bool Moments> HWY_INLINE Many momentOf(const PackedStepView<2>& view, const Place<2>& p, Many normal)
+		template <bool Hertz, bool Rolling, bool Moments>
+		HWY_INLINE Many momentOf(const PackedStepView<2>& view, const Place<2>& p, Many overlap, Many normal)
 		{
-			if constexpr (!Moments) return roll(view, p, normal);
+			if constexpr (!Moments) return roll<Hertz>(view, p, overlap, normal);
 			const Many ofBonds = load(p.moments().moment[0] + p.lane);
-			if constexpr (Rolling) return Add(ofBonds, roll(view, p, normal));
+			if constexpr (Rolling) return Add(ofBonds, roll<Hertz>(view, p, overlap, normal));
 			return ofBonds;
 		}
 
 		/// Adds rows (G_x, G_y, s, s u_n/2) to both grains; moments act on the second ones and against the first ones.
-		template <bool Periodic, bool Rolling, bool Moments>
+		template <bool Hertz, bool Periodic, bool Rolling, bool Moments>
 		HWY_INLINE void scatter(const PackedStepView<2>& view, const Place<2>& p, const Gathered& g, const ContactForces<Many, Many>& f)
 		{
 			const Many nx = Mul(g.dx, g.inverse), ny = Mul(g.dy, g.inverse);
 			const Many gx = NegMulAdd(f.shear, ny, Mul(f.normal, nx)), gy = MulAdd(f.shear, nx, Mul(f.normal, ny));
 			const Many ofShear = Mul(Mul(splat(0.5), f.overlap), f.shear);
 			if constexpr (Rolling || Moments) {
-				const Many moment = momentOf<Rolling, Moments>(view, p, f.normal);
+				const Many moment = momentOf<Hertz, Rolling, Moments>(view, p, f.overlap, f.normal);
 				addRows<Periodic>(
 				        view, p, rowsOf(Columns { gx, gy, f.shear, Sub(ofShear, moment) }),
 				        rowsOf(Columns { gx, gy, f.shear, Add(ofShear, moment) }));
@@ -158,7 +159,7 @@ namespace HWY_NAMESPACE {
 		}
 
 		struct DiscLoops {
-			template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
+			template <bool Hertz, bool Bonded, bool Rolling, bool Moments, bool Periodic>
 			static HWY_NOINLINE void contacts(PackedStepView<2>& shared, const PackedPairs<2> pairs)
 			{
 				const PackedStepView<2> view = shared; // of its own: what vectors are stored to might be a part of a view that others know
@@ -167,8 +168,8 @@ namespace HWY_NAMESPACE {
 				const auto finish   = [&](const Place<2>& p, const Gathered& gathered) HWY_ATTR TALIK_INLINED {
                                         if (passedOver<Bonded, Rolling>(p, gathered.distance)) return;
                                         // forces are handed on without a name: with one GCC keeps them in memory, at half the speed
-                                        scatter<Periodic, Rolling, Moments>(
-                                                view, p, gathered, respond<Bonded, Moments, Periodic>(shared, view, p, c, gathered));
+                                        scatter<Hertz, Periodic, Rolling, Moments>(
+                                                view, p, gathered, respond<Hertz, Bonded, Moments, Periodic>(shared, view, p, c, gathered));
 				};
 				inPipeline(pairs, gatherAt, finish);
 			}

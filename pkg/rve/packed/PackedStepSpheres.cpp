@@ -21,18 +21,6 @@ namespace HWY_NAMESPACE {
 		using Vector = InSpace<Many>;
 		using Forces = ContactForces<Many, Vector>;
 
-		HWY_INLINE Vector cross(const Vector& a, const Vector& b)
-		{
-			return { MulSub(a.y, b.z, Mul(a.z, b.y)), MulSub(a.z, b.x, Mul(a.x, b.z)), MulSub(a.x, b.y, Mul(a.y, b.x)) };
-		}
-		/// a x b + c
-		HWY_INLINE Vector crossAdd(const Vector& a, const Vector& b, const Vector& c)
-		{
-			return { NegMulAdd(a.z, b.y, MulAdd(a.y, b.z, c.x)), NegMulAdd(a.x, b.z, MulAdd(a.z, b.x, c.y)),
-				 NegMulAdd(a.y, b.x, MulAdd(a.x, b.y, c.z)) };
-		}
-		HWY_INLINE Vector mulAdd(Many a, const Vector& b, const Vector& c) { return { MulAdd(a, b.x, c.x), MulAdd(a, b.y, c.y), MulAdd(a, b.z, c.z) }; }
-
 		/// A vector in space, kept.
 		struct KeptVector {
 			Kept              x, y, z;
@@ -133,7 +121,7 @@ namespace HWY_NAMESPACE {
 			Vector       ofFirst = scaled(m, Add(half, difference)), ofSecond = scaled(m, Sub(half, difference));
 			if constexpr (Turning) {
 				const Vector moment = f.moment();
-				ofFirst             = { Add(ofFirst.x, moment.x), Add(ofFirst.y, moment.y), Add(ofFirst.z, moment.z) };
+				ofFirst             = Add(ofFirst, moment);
 				ofSecond            = Sub(ofSecond, moment);
 			}
 			const Many    none = splat(0.);
@@ -163,12 +151,14 @@ namespace HWY_NAMESPACE {
 		}
 
 		/// Moment of rolling on the second grains; it is carried along with the contact by `turn`.
-		HWY_INLINE Vector roll(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Vector& n, const Vector& turn, Many normal)
+		template <bool Hertz>
+		HWY_INLINE Vector
+		roll(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Vector& n, const Vector& turn, Many overlap, Many normal)
 		{
 			PackedRollingBlock<3>& block = p.rolling();
 			const Vector           spin = spinBetween(view, p), bending = NegMulAdd(dot(spin, n), n, spin);
 			const Vector           before    = loadVector(block.moment, p.lane);
-			const Vector           increment = scaled(bending, Mul(c.step, load(block.stiffness + p.lane)));
+			const Vector           increment = scaled(bending, Mul(c.step, grainTangent<Hertz>(load(block.stiffness + p.lane), overlap)));
 			const Vector           moment    = rollingMoment(load(block.lever + p.lane), normal, crossAdd(turn, before, before), increment);
 			storeVector(moment, block.moment, p.lane);
 			return moment;
@@ -195,60 +185,58 @@ namespace HWY_NAMESPACE {
 		}
 
 		/// Moments of the bonds that are left, and of rolling.
-		template <bool Rolling, bool Moments>
+		template <bool Hertz, bool Rolling, bool Moments>
 		HWY_INLINE Vector
-		momentOf(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Vector& n, const Vector& turn, Many normal)
+		momentOf(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Vector& n, const Vector& turn, Many overlap, Many normal)
 		{
-			if constexpr (!Moments) return roll(view, p, c, n, turn, normal);
+			if constexpr (!Moments) return roll<Hertz>(view, p, c, n, turn, overlap, normal);
 			const Vector ofBonds = loadVector(p.moments().moment, p.lane);
 			if constexpr (!Rolling) return ofBonds;
-			const Vector ofRolling = roll(view, p, c, n, turn, normal);
-			return { Add(ofBonds.x, ofRolling.x), Add(ofBonds.y, ofRolling.y), Add(ofBonds.z, ofRolling.z) };
+			return Add(ofBonds, roll<Hertz>(view, p, c, n, turn, overlap, normal));
 		}
 
-		template <bool Periodic> HWY_INLINE void move(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, Moved& m)
+		template <bool Hertz, bool Bonded, bool Periodic>
+		HWY_INLINE void move(const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, Moved& m)
 		{
 			const Vector    n     = g.n();
 			PackedBlock<3>& block = p.pair();
 			const auto [v, w]     = gatherColumns<8, 8, Periodic>(view.speed, p, lessButLast, view.shiftSpeed);
 			const Vector velocity { v.a, v.b, v.c }, spin { w.a, w.b, w.c }, rim { g.rimX(), v.d, w.d };
-			const Many   sum = load(block.sumRadius + p.lane), stiffness = load(block.stiffness + p.lane);
+			const Many   sum = load(block.sumRadius + p.lane);
 			// turn of the contact, eq. (13.5), and slip, eq. (13.6). The branch of the last step was l - dt v: from it the turn of the
 			// normal follows, to the last place, eq. (13.7)
 			const Many   inverse = g.inverse(), turning = Mul(c.step, inverse), stretch = Mul(sum, inverse);
 			const Vector across = cross(n, velocity);
 			const Many   bend   = MulAdd(Mul(turning, dot(velocity, n)), turning, turning);
 			const Vector slip   = cross(n, NegMulAdd(stretch, across, rim));
-			m.turn              = mulAdd(bend, across, scaled(n, Mul(c.halfStep, dot(n, spin))));
-			m.increment         = scaled(slip, Mul(c.shearStep, stiffness));
+			m.turn              = MulAdd(bend, across, scaled(n, Mul(c.halfStep, dot(n, spin))));
+			m.increment         = scaled(slip, Mul(c.shearStep, tangentOf<Hertz, Bonded>(p, Sub(sum, g.distance()))));
 		}
 
-		template <bool Bonded, bool Periodic, bool Rolling, bool Moments>
+		template <bool Hertz, bool Bonded, bool Periodic, bool Rolling, bool Moments>
 		HWY_INLINE void respond(
 		        PackedStepView<3>& shared, const PackedStepView<3>& view, const Place<3>& p, const Constants& c, const Gathered& g, const Moved& m,
 		        ResponseOf<Rolling || Moments>& r)
 		{
 			const Vector    n = g.n(), turn = m.turn(), increment = m.increment();
-			PackedBlock<3>& block     = p.pair();
-			const Many      stiffness = load(block.stiffness + p.lane);
-			const Many      overlap   = Sub(load(block.sumRadius + p.lane), g.distance());
+			PackedBlock<3>& block   = p.pair();
+			const Many      overlap = Sub(load(block.sumRadius + p.lane), g.distance());
 			const Vector    before = loadVector(block.shear, p.lane), shear = crossAdd(turn, before, before);
 			Forces          f;
 			if constexpr (Bonded) {
-				PackedIceBlock<3>&          ice   = p.ice();
-				const Vector                ofIce = loadVector(ice.iceShear, p.lane);
-				const ContactResponse<Many> contact { stiffness, load(ice.offset + p.lane), load(ice.floor + p.lane),
-					                              load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) };
-				f = bondedForces(
-				        contact, c.friction, overlap, shear, crossAdd(turn, ofIce, ofIce), increment, bendBonds<Moments>(view, p, c, n, turn),
-				        [&](auto failed, auto& forces)
-				                HWY_ATTR TALIK_INLINED { settleBonds<3>(shared, Periodic, packedWidth * p.block + p.lane, failed, forces); });
+				PackedIceBlock<3>& ice   = p.ice();
+				const Vector       ofIce = loadVector(ice.iceShear, p.lane);
+				f                        = bondedForces(
+				                               bondedResponse<Hertz>(p, overlap), c.friction, overlap, shear, crossAdd(turn, ofIce, ofIce), increment,
+				                               bendBonds<Moments>(view, p, c, n, turn), [&](auto failed, auto& forces) HWY_ATTR TALIK_INLINED {
+                                                settleBonds<3>(shared, Periodic, packedWidth * p.block + p.lane, failed, forces);
+                                        });
 				storeVector(f.iceShear, ice.iceShear, p.lane);
 			} else {
-				f = frictionalForces(stiffness, c.friction, overlap, shear, increment);
+				f = frictionalForces(grainSecant<Hertz>(load(block.stiffness + p.lane), overlap), c.friction, overlap, shear, increment);
 			}
 			storeVector(f.shear, block.shear, p.lane);
-			if constexpr (Rolling || Moments) r.moment = momentOf<Rolling, Moments>(view, p, c, n, turn, f.normal);
+			if constexpr (Rolling || Moments) r.moment = momentOf<Hertz, Rolling, Moments>(view, p, c, n, turn, overlap, f.normal);
 			r.normal = f.normal;
 		}
 
@@ -269,11 +257,6 @@ namespace HWY_NAMESPACE {
 			}
 		};
 
-		HWY_INLINE Vector damped(const Vector& a, const Vector& v, Many damping, Many halfStep)
-		{
-			return { damped(a.x, v.x, damping, halfStep), damped(a.y, v.y, damping, halfStep), damped(a.z, v.z, damping, halfStep) };
-		}
-
 		/// Adds f (x) x to its sums.
 		HWY_INLINE void addVirial(Quad (&sums)[9], std::size_t grain, const Vector& f, const Vector& x)
 		{
@@ -283,7 +266,7 @@ namespace HWY_NAMESPACE {
 		}
 
 		struct SphereLoops {
-			template <bool Bonded, bool Rolling, bool Moments, bool Periodic>
+			template <bool Hertz, bool Bonded, bool Rolling, bool Moments, bool Periodic>
 			static HWY_NOINLINE void contacts(PackedStepView<3>& shared, const PackedPairs<3> pairs)
 			{
 				const PackedStepView<3> view = shared; // of its own: what vectors are stored to might be a part of a view that others know
@@ -291,9 +274,10 @@ namespace HWY_NAMESPACE {
 				using Response = ResponseOf<Rolling || Moments>;
 				inStages<Gathered, Moved, Response, Bonded, Rolling>(
 				        pairs, [&](const Place<3>& p, Gathered& g) HWY_ATTR TALIK_INLINED { gather<Periodic>(view, p, g); },
-				        [&](const Place<3>& p, const Gathered& g, Moved& m) HWY_ATTR TALIK_INLINED { move<Periodic>(view, p, c, g, m); },
+				        [&](const Place<3>& p, const Gathered& g, Moved& m)
+				                HWY_ATTR TALIK_INLINED { move<Hertz, Bonded, Periodic>(view, p, c, g, m); },
 				        [&](const Place<3>& p, const Gathered& g, const Moved& m, Response& r)
-				                HWY_ATTR TALIK_INLINED { respond<Bonded, Periodic, Rolling, Moments>(shared, view, p, c, g, m, r); },
+				                HWY_ATTR TALIK_INLINED { respond<Hertz, Bonded, Periodic, Rolling, Moments>(shared, view, p, c, g, m, r); },
 				        [&](const Place<3>& p, const Gathered& g, const Response& r)
 				                HWY_ATTR TALIK_INLINED { scatter<Periodic, Rolling || Moments>(view, p, g, r); });
 			}
@@ -320,15 +304,15 @@ namespace HWY_NAMESPACE {
 					const Vector meanField = gradient.timesAdd(x, none);
 					const Vector a         = gradient.timesAdd(
 					                v, damped(scaled(force, load(view.minusInverseMass + g)), Sub(v, meanField), damping, halfStep));
-					Vector       velocity = mulAdd(dt, a, v);
+					Vector       velocity = MulAdd(dt, a, v);
 					const Vector carried  = Sub(velocity, meanField);
 					fluctuation           = Max(fluctuation, Mul(load(view.inverseSlackSquare + g), dot(carried, carried)));
 					if (Jumps) velocity = jump.timesAdd(x, velocity);
-					const Vector position = mulAdd(dt, velocity, x);
+					const Vector position = MulAdd(dt, velocity, x);
 					if (Stress) addVirial(virial, g, force, position);
 					const Vector before { ws.a, ws.b, ws.c };
-					Vector       w = mulAdd(dt, damped(scaled(moment, load(view.inverseInertia + g)), before, damping, halfStep), before);
-					if (Jumps) w = { Add(w.x, spinJump.x), Add(w.y, spinJump.y), Add(w.z, spinJump.z) };
+					Vector       w = MulAdd(dt, damped(scaled(moment, load(view.inverseInertia + g)), before, damping, halfStep), before);
+					if (Jumps) w = Add(w, spinJump);
 					const Vector rim = scaled(w, load(view.radius + g));
 					putColumns<4>(Columns { position.x, position.y, position.z, rim.x }, view.position(g));
 					putColumns<8>(

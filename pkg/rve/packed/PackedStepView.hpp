@@ -47,7 +47,7 @@ template <int Dim> struct alignas(packedAlignment) PackedIceBlock {
 /// What resistance to rolling adds to some pairs.
 template <int Dim> struct alignas(packedAlignment) PackedRollingBlock {
 	double moment[PackedLayout<Dim>::angular][packedWidth];       ///< on the second grain [N m]
-	double stiffness[packedWidth];                                ///< k_r [N m]
+	double stiffness[packedWidth];                                ///< k_r [N m]; with H in place of k_n [N m^0.5]
 	double lever[packedWidth];                                    ///< largest moment over normal force [m]
 	double inverseFirst[packedWidth], inverseSecond[packedWidth]; ///< of the radii [1/m]
 };
@@ -125,7 +125,7 @@ template <int Dim> struct PackedKernel {
 
 /// What contacts of a sample carry beyond friction.
 struct PackedContactKind {
-	bool bonded, rolling, moments; ///< moments: of bonds
+	bool bonded, rolling, moments, hertz; ///< moments: of bonds; hertz: grains of Hertz and Mindlin
 };
 
 /// The fastest step that the processor at hand knows, or the one that all processors know.

@@ -200,6 +200,22 @@ namespace HWY_NAMESPACE {
 
 		constexpr bool passesOver = HWY_TARGET == HWY_SCALAR; ///< vectors pass over no pair
 
+		/// Response of some pairs at their overlap, and what a shear increment goes by.
+		template <bool Hertz, int Dim> HWY_INLINE ContactResponse<Many> bondedResponse(const Place<Dim>& p, Many overlap)
+		{
+			const PackedIceBlock<Dim>& ice = p.ice();
+			return responseAt<Hertz>(
+			        ContactResponse<Many> { load(p.pair().stiffness + p.lane), load(ice.offset + p.lane), load(ice.floor + p.lane),
+			                                load(ice.cohesion + p.lane), load(ice.iceShare + p.lane) },
+			        overlap);
+		}
+		template <bool Hertz, bool Bonded, int Dim> HWY_INLINE Many tangentOf(const Place<Dim>& p, Many overlap)
+		{
+			const Many tangent = grainTangent<Hertz>(load(p.pair().stiffness + p.lane), overlap);
+			if constexpr (Hertz && Bonded) return Add(tangent, load(p.ice().iceShare + p.lane));
+			else return tangent;
+		}
+
 		/// True for a pair on its own that neither touches nor is bonded; it carries no force then.
 		template <bool Bonded, bool Rolling, int Dim> HWY_INLINE bool passedOver(const Place<Dim>& p, Many distance)
 		{
@@ -337,13 +353,6 @@ namespace HWY_NAMESPACE {
 			forces = reported;
 		}
 
-		/// Acceleration times 1 - damping sign(acceleration (velocity + dt/2 acceleration)).
-		HWY_INLINE Many damped(Many acceleration, Many velocity, Many damping, Many halfStep)
-		{
-			const Many power = Mul(acceleration, MulAdd(halfStep, acceleration, velocity));
-			return NegMulAdd(CopySignToAbs(damping, power), acceleration, acceleration);
-		}
-
 		alignas(packedAlignment) static constexpr double zeros[packedWidth] = {};
 
 #if HWY_TARGET <= HWY_AVX3_DL
@@ -462,14 +471,24 @@ namespace HWY_NAMESPACE {
 			return most;
 		}
 
-		/// Functions of a kernel from the loops of discs or spheres: contacts<Bonded, Rolling, Moments, Periodic>(view, pairs) and
+		/// Functions of a kernel from the loops of discs or spheres: contacts<Hertz, Bonded, Rolling, Moments, Periodic>(view, pairs) and
 		/// integrate<Jumps, Stress>(view).
 		template <int Dim, class Loops> struct KernelOf {
 			using View = PackedStepView<Dim>;
-			template <bool Bonded, bool Rolling, bool Moments = false> static void contacts(View* view)
+			template <bool Hertz, bool Bonded, bool Rolling, bool Moments = false> static void contacts(View* view)
 			{
-				Loops::template contacts<Bonded, Rolling, Moments, false>(*view, view->inner);
-				Loops::template contacts<Bonded, Rolling, Moments, true>(*view, view->periodic);
+				Loops::template contacts<Hertz, Bonded, Rolling, Moments, false>(*view, view->inner);
+				Loops::template contacts<Hertz, Bonded, Rolling, Moments, true>(*view, view->periodic);
+			}
+			template <bool Hertz> static auto contactsOf(PackedContactKind kind)
+			{
+				auto* const free    = kind.moments ? contacts<Hertz, true, false, true>
+				           : kind.bonded           ? contacts<Hertz, true, false>
+				                                   : contacts<Hertz, false, false>;
+				auto* const rolling = kind.moments ? contacts<Hertz, true, true, true>
+				        : kind.bonded              ? contacts<Hertz, true, true>
+				                                   : contacts<Hertz, false, true>;
+				return kind.rolling ? rolling : free;
 			}
 			template <bool Stress> static void integrateWith(View& view)
 			{
@@ -478,9 +497,7 @@ namespace HWY_NAMESPACE {
 			static void              integrate(View* view) { view->sampleStress ? integrateWith<true>(*view) : integrateWith<false>(*view); }
 			static PackedKernel<Dim> chosen(PackedContactKind kind)
 			{
-				auto* const free    = kind.moments ? contacts<true, false, true> : kind.bonded ? contacts<true, false> : contacts<false, false>;
-				auto* const rolling = kind.moments ? contacts<true, true, true> : kind.bonded ? contacts<true, true> : contacts<false, true>;
-				return { kind.rolling ? rolling : free, integrate, hwy::TargetName(HWY_TARGET) };
+				return { kind.hertz ? contactsOf<true>(kind) : contactsOf<false>(kind), integrate, hwy::TargetName(HWY_TARGET) };
 			}
 		};
 

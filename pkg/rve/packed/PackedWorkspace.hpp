@@ -77,7 +77,9 @@ public:
 	/// State without arrays of grains and contacts: parameters, cell, step count.
 	const PackedParameters<Dim>& parameters() const;
 	double                       meanRadius() const { return averageRadius; }
-	std::size_t                  size() const { return grainCount; }
+	/// Upper bound of the moduli of the sample as it stands, from its grains and its contacts [Pa].
+	double      largestModulus() const;
+	std::size_t size() const { return grainCount; }
 
 private:
 	template <int> friend class SampleImage; ///< the same on a device, see pkg/rve/device
@@ -143,8 +145,7 @@ private:
 	void moveCell();
 	void finishStress(Matrix& stress) const;
 
-	static void onBondEvent(void* owner, PackedBondEvent<Dim>* event);
-	void        settleBond(PackedBondEvent<Dim>& event);
+	void settleBond(PackedBondEvent<Dim>& event);
 
 	void                 changeIceOfBonds(double newRatio, bool melted);
 	void                 keepMoments(Lanes& lanes, double share);
@@ -153,7 +154,7 @@ private:
 	void                 setStrengths();
 	void                 selectKernel();
 	void                 carryBonds(bool carry);
-	PackedContactKind    contactKind() const { return { carriesBonds, resistsRolling, carriesBonds && bondsCarryMoments }; }
+	PackedContactKind    contactKind() const { return { carriesBonds, resistsRolling, carriesBonds && bondsCarryMoments, grains && grains->hertz.acts() }; }
 	static std::uint32_t rowOf(std::uint32_t offset) { return offset / PackedLayout<Dim>::row; }
 	Lanes&               lanesOf(bool periodic) { return periodic ? periodicLanes : innerLanes; }
 

@@ -438,139 +438,14 @@ template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
 	}
 }
 
-namespace {
-	/// k_g of grains with such radii [N/m].
-	double grainStiffness(double young, double a, double b) { return 2 * young * a * b / (a + b); }
-} // namespace
-
-template <int Dim> ContactStiffness PackedWorkspace<Dim>::stiffness(const Lanes& lanes, std::size_t lane, double ratio) const
-{
-	const PackedBlock<Dim>& block = lanes.block[lane / packedWidth];
-	const double            a = grains->radius[rowOf(block.first[lane % packedWidth])], b = grains->radius[rowOf(block.second[lane % packedWidth])];
-	return { grainStiffness(base.ice.young, a, b), base.stiffnessRatio, ratio };
-}
-
-template <int Dim> BondStrength PackedWorkspace<Dim>::strength(const Lanes& lanes, std::size_t lane) const
-{
-	const PackedBlock<Dim>& block = lanes.block[lane / packedWidth];
-	const double            area  = base.ice.bondArea(
-	                    std::min(grains->radius[rowOf(block.first[lane % packedWidth])], grains->radius[rowOf(block.second[lane % packedWidth])]));
-	return { tensileStrength * area, shearStrength * area };
-}
-
-/// setResponse() of all pairs. Grains without bonds and rolling need radii and stiffness only.
-template <int Dim> void PackedWorkspace<Dim>::setResponses(Lanes& lanes)
-{
-	if (Dim == 3 || carriesBonds || resistsRolling) {
-		for (std::size_t lane = 0; lane < lanes.pairs; ++lane)
-			setResponse(lanes, lane);
-		return;
-	}
-	const double *const now = view.radius, *const own = grains->radius.data();
-	const double young = base.ice.young;
-	for (std::size_t lane = 0; lane < lanes.pairs; ++lane) {
-		PackedBlock<Dim>&   block = lanes.block[lane / packedWidth];
-		const std::size_t   l     = lane % packedWidth;
-		const std::uint32_t first = rowOf(block.first[l]), second = rowOf(block.second[l]);
-		block.sumRadius[l] = now[first] + now[second];
-		block.stiffness[l] = grainStiffness(young, own[first], own[second]);
-	}
-}
-
-/// Radii, stiffness and bond of a pair into its lane.
-template <int Dim> void PackedWorkspace<Dim>::setResponse(Lanes& lanes, std::size_t lane)
-{
-	PackedBlock<Dim>&      block = lanes.block[lane / packedWidth];
-	const std::size_t      l     = lane % packedWidth;
-	const ContactStiffness k     = stiffness(lanes, lane, iceRatio);
-	const double           first = view.radius[rowOf(block.first[l])], second = view.radius[rowOf(block.second[l])];
-	block.sumRadius[l] = first + second;
-	if constexpr (Dim == 3) block.halfDifference[l] = 0.5 * (first - second);
-	block.stiffness[l] = k.grain;
-	if (resistsRolling) setRolling(lanes, lane, k.shearRatio * k.grain);
-	if (!carriesBonds) return;
-	const IceBond&                bond    = lanes.bond[lane];
-	const ContactResponse<double> contact = bond.response(k, strength(lanes, lane));
-	block.stiffness[l]                    = contact.stiffness;
-	PackedIceBlock<Dim>& ice              = lanes.ice[lane / packedWidth];
-	ice.offset[l]                         = contact.offset;
-	ice.floor[l]                          = contact.floor;
-	ice.cohesion[l]                       = contact.cohesion;
-	ice.iceShare[l]                       = contact.iceShare;
-	if (bondsCarryMoments) setMoments(lanes, lane, k);
-	if (bond.hasIceSpring()) return;
-	Shear none;
-	clearShear(none);
-	setLaneShear<Dim>(ice.iceShear, l, none);
-}
-
-template <int Dim> void PackedWorkspace<Dim>::setRolling(Lanes& lanes, std::size_t lane, double shearStiffness)
-{
-	const std::size_t        l     = lane % packedWidth;
-	const std::uint32_t      first = rowOf(lanes.block[lane / packedWidth].first[l]), second = rowOf(lanes.block[lane / packedWidth].second[l]);
-	const double             r1 = grains->radius[first], r2 = grains->radius[second];
-	PackedRollingBlock<Dim>& block = lanes.rolling[lane / packedWidth];
-	block.stiffness[l]             = grains->rolling.stiffness(shearStiffness, r1, r2);
-	block.lever[l]                 = grains->rolling.lever(r1, r2);
-	block.inverseFirst[l]          = 1 / view.radius[first];
-	block.inverseSecond[l]         = 1 / view.radius[second];
-}
-
-/// Only an intact bond carries moments.
-template <int Dim> void PackedWorkspace<Dim>::setMoments(Lanes& lanes, std::size_t lane, const ContactStiffness& k)
-{
-	const std::size_t       l     = lane % packedWidth;
-	const std::uint32_t     first = rowOf(lanes.block[lane / packedWidth].first[l]), second = rowOf(lanes.block[lane / packedWidth].second[l]);
-	const double            area      = base.ice.bondArea(std::min(grains->radius[first], grains->radius[second]));
-	const bool              intact    = lanes.bond[lane].intact();
-	const MomentStiffness   stiffness = grains->section.stiffness(area, intact ? k.ice() : 0., k.shearRatio);
-	PackedMomentBlock<Dim>& block     = lanes.moments[lane / packedWidth];
-	block.bending[l]                  = stiffness.bending;
-	block.twisting[l]                 = stiffness.twisting;
-	block.edgeOverMoment[l]           = grains->section.edgeOverMoment(area);
-	block.inverseFirst[l]             = 1 / view.radius[first];
-	block.inverseSecond[l]            = 1 / view.radius[second];
-	if (intact) return;
-	Shear none;
-	clearShear(none);
-	setLaneShear<Dim>(block.moment, l, none);
-}
-
-template <int Dim> void PackedWorkspace<Dim>::updateShiftRows()
-{
-	double speed[Dim * Dim];
-	multiply<Dim>(view.velGrad, view.prevHSize, speed);
-	for (std::size_t k = 0; k < view.shifts; ++k) {
-		double* place    = view.shiftPlace + 4 * k;
-		double* velocity = Dim == 2 ? place + 2 : view.shiftSpeed + 8 * k;
-		for (int d = 0; d < Dim; ++d) {
-			double x = 0, v = 0;
-			for (int e = 0; e < Dim; ++e) {
-				x += view.hSize[d * Dim + e] * view.shiftCell[k * Dim + e];
-				v += speed[d * Dim + e] * view.shiftCell[k * Dim + e];
-			}
-			place[d]    = x;
-			velocity[d] = v;
-		}
-		for (int d = 4; Dim == 3 && d < 8; ++d)
-			velocity[d] = -0.; // what is added to spins: it leaves every number as it is
-		std::fill_n(view.shiftForce + k * PackedLayout<Dim>::row, PackedLayout<Dim>::row, 0.);
-	}
-}
-
-#define TALIK_LISTS_OF(Dim)                                                                                              \
-	template void             PackedWorkspace<Dim>::loadContacts(const PackedState<Dim>&);                           \
-	template void             PackedWorkspace<Dim>::loadListed(const PackedContacts<Dim>&, const PackedLists<Dim>&); \
-	template void             PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&, PackedLists<Dim>*) const;    \
-	template bool             PackedWorkspace<Dim>::listsExhausted() const;                                          \
-	template void             PackedWorkspace<Dim>::accumulateTravel();                                              \
-	template void             PackedWorkspace<Dim>::refreshLists();                                                  \
-	template void             PackedWorkspace<Dim>::rebuildLists(double);                                            \
-	template ContactStiffness PackedWorkspace<Dim>::stiffness(const Lanes&, std::size_t, double) const;              \
-	template BondStrength     PackedWorkspace<Dim>::strength(const Lanes&, std::size_t) const;                       \
-	template void             PackedWorkspace<Dim>::setResponse(Lanes&, std::size_t);                                \
-	template void             PackedWorkspace<Dim>::setResponses(Lanes&);                                            \
-	template void             PackedWorkspace<Dim>::updateShiftRows();
+#define TALIK_LISTS_OF(Dim)                                                                                  \
+	template void PackedWorkspace<Dim>::loadContacts(const PackedState<Dim>&);                           \
+	template void PackedWorkspace<Dim>::loadListed(const PackedContacts<Dim>&, const PackedLists<Dim>&); \
+	template void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&, PackedLists<Dim>*) const;    \
+	template bool PackedWorkspace<Dim>::listsExhausted() const;                                          \
+	template void PackedWorkspace<Dim>::accumulateTravel();                                              \
+	template void PackedWorkspace<Dim>::refreshLists();                                                  \
+	template void PackedWorkspace<Dim>::rebuildLists(double);
 TALIK_LISTS_OF(2)
 TALIK_LISTS_OF(3)
 #undef TALIK_LISTS_OF

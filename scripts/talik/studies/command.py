@@ -59,6 +59,9 @@ def main():
 		"--elements", metavar="FILE", help="CSV file of drained triaxial tests of sand: samples of spheres fitted on some, prediction of all; table, picture"
 	)
 	parser.add_argument("--fit", metavar="TESTS", help="with --elements: names of the tests to fit on, with commas between; default those with results")
+	parser.add_argument(
+		"--hertz", metavar="E,NU", help="with --elements: Young's modulus [Pa] and Poisson's ratio of grains of Hertz and Mindlin; default linear springs"
+	)
 	parser.add_argument("--strain", type=float, default=0.04, help="with --target: axial strain of each test, within which strength is the largest stress")
 	parser.add_argument(
 		"--friction",
@@ -146,7 +149,8 @@ def _elements(options, told):
 	try:
 		tests = elementtests.read(options.elements)
 		seeds = [1 + k for k in range(options.realisations or 3)]
-		found = elementtests.fit(tests, names, (options.grains or (300,))[0], seeds, told=lambda line: print(line, flush=True))
+		grains = dict(zip(("young", "poisson"), map(float, options.hertz.split(",")))) if options.hertz else {}
+		found = elementtests.fit(tests, names, (options.grains or (300,))[0], seeds, told=lambda line: print(line, flush=True), **grains)
 	except (ValueError, OSError) as fault:
 		raise SystemExit(f"calibrate: {fault}") from None
 	told(found.report())

@@ -296,13 +296,15 @@ class Library:
 	seed     of the random positions
 	young    contact modulus E_c0 [Pa]
 	told     is given a line for each sample
+	path     (friction, rolling friction) of compaction of each sample; default `looseness`
+	poisson  of grains of Hertz and Mindlin, whose Young's modulus is young; None: linear springs
 
 	>>> library = talik.studies.elementtests.Library(30, 1, told=lambda line: None, path=((0.0, 0.0), (0.5, 0.1)))
 	>>> bool(library.voidRatios[0] < library.voidRatios[1])
 	True"""
 
-	def __init__(self, grains, seed=1, young=0.15e9, told=print, path=None):
-		material = packing.Grains(grains, 4e-3, 6e-3, None, young, 0.5, 2650.0, 0.3, True, (("etaRoll", 0.1),), 3)
+	def __init__(self, grains, seed=1, young=0.15e9, told=print, path=None, poisson=None):
+		material = packing.Grains(grains, 4e-3, 6e-3, None, young, 0.5, 2650.0, 0.3, True, (("etaRoll", 0.1),), 3, poisson=poisson)
 		samples = []
 		for friction, rolling in path or looseness:
 			sample = packing.compactPacked(material, leastPressure, friction, seed, rolling)
@@ -396,7 +398,7 @@ class Prediction:
 		return figure
 
 
-def fit(tests, names=None, grains=300, seeds=(1, 2, 3), young=0.15e9, evaluations=10, told=print, path=None):
+def fit(tests, names=None, grains=300, seeds=(1, 2, 3), young=0.15e9, evaluations=10, told=print, path=None, poisson=None):
 	"""Contact friction, rolling friction and shift of the void ratio fitted on some tests, and the prediction of all: Prediction.
 
 	Samples are tested with parameters spread over `bounds`. A plane through what they give smooths the chance of single samples, and the fit is the place on the
@@ -408,6 +410,7 @@ def fit(tests, names=None, grains=300, seeds=(1, 2, 3), young=0.15e9, evaluation
 	seeds        one library for each; means over them are fitted
 	young        contact modulus E_c0 of the samples [Pa]: the strengths hardly depend on it
 	evaluations  sets of parameters that are tested, 5 or more
+	poisson      of grains of Hertz and Mindlin, as of Library; E_50 then grows with the pressure as in sand
 
 	>>> tests = [talik.studies.elementtests.Test("A", 0.7, 100e3, 0.01, phiPeak=30.0)]
 	>>> settings = dict(grains=30, seeds=(1,), evaluations=5, told=lambda line: None, path=((0.0, 0.0), (0.5, 0.1)))
@@ -424,7 +427,7 @@ def fit(tests, names=None, grains=300, seeds=(1, 2, 3), young=0.15e9, evaluation
 		raise ValueError("elementtests: no test has results; fill eta_peak, eta_end or epsv_end_pct of some")
 	if evaluations < 5:
 		raise ValueError(f"evaluations is {evaluations!r}; three parameters need 5 or more")
-	libraries = [Library(grains, seed, young, told, path) for seed in seeds]
+	libraries = [Library(grains, seed, young, told, path, poisson) for seed in seeds]
 	low, high = np.array(list(bounds.values())).T
 	wanted = [(test, name) for test in tests if test.name in names for name in test.measured if name in scales]
 	measured = np.array([test.measured[name] / scales[name] for test, name in wanted])
