@@ -225,12 +225,16 @@ template <int D> struct Ground<D>::Parts {
 	void mapSurface(const WeightBlock<D>& w)
 	{
 		surface->map(w);
-		if (settings.axisymmetric) surface->mapHoop(meanOfFaces(w));
+		if (!settings.axisymmetric) return;
+		const WeightBlock<D> mean = meanOfFaces(w); // what the radius adds to the area, eq. (29.4)
+		for (int k = 0; k < w.count; ++k)
+			overNodes<D>(mean, k, [&](int node, double s, const Vec<D>&) { surface->nodes[node][0] += s * planeArea(w.first + k); });
 	}
+	double         planeArea(int p) const { return points->volume()[p] / points->position(0)[p]; } ///< about an axis [m^2]
 	WeightBlock<D> meanOfFaces(const WeightBlock<D>& w) const
 	{
 		return shape->meanOfFaces(
-		        grid, [&](int p) { return points->volume()[p] / points->position(0)[p]; }, w);
+		        grid, [&](int p) { return planeArea(p); }, w);
 	}
 
 	// ---- solveNodes -----------------------------------------------------------------------------------------------------

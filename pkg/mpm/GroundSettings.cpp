@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/base/Errors.hpp>
-#include <pkg/mpm/boundary/Boundaries.hpp>
 #include <pkg/mpm/effects/Effect.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
 
@@ -142,32 +141,14 @@ template <int D> static void checkAxis(const GroundSettings<D>& s)
 	require(s.lower[0] >= 0.0, "with lower.x = " + asText(s.lower[0]), "x is the radius; let the box begin at the axis, x = 0, or beyond");
 	const bool fails = std::any_of(s.skeletons.begin(), s.skeletons.end(), [](const auto& law) { return law && law->canFail(); });
 	require(!(s.freezing && s.motion && s.thawFront && fails), "with thawFront", "the front has no hoop stress; set thawFront to None");
-	require(!s.segregation, "with segregation", "lenses have no radius; leave segregation out");
 	require(!s.bodies, "with bodies", "they would be rings; leave bodies out, and move walls by MovingBoundary");
 	require(s.effects.empty(), "with effects", "they do not see the hoop strain; leave them out");
-	require(!s.water || !s.water->implicit, "with PoreWater.pressure = implicit", "the faces of cells have no radius; take explicit");
-	require(!s.water || !s.freezing, "with water that freezes", "the faces of cells have no radius; leave water or freezing out");
+	require(!s.water || !(s.water->implicit || s.freezing), "with implicit pressure or water that freezes",
+	        "faces of cells have no radius; take explicit pressure, leave freezing out");
 	for (const SoilMaterial& m : s.materials)
-		require(m.thawStrain == 0.0 && !m.compression.given(), "with thaw strain",
-		        "it does not see the hoop strain; leave thawStrain and compression out");
+		require(m.thawStrain == 0.0 && !m.compression.given(), "with thaw strain", "it does not see the hoop strain; leave it out");
 	for (const auto& law : s.skeletons)
 		require(!law || law->knowsHoopStrain(), "with " + (law ? law->name() : ""), "it does not see the hoop strain; take another skeleton law");
-}
-
-template <int D> void closeAxis(GroundSettings<D>& s)
-{
-	const bool reached = s.lower[0] == 0.0;
-	bool       closed  = !reached || !s.motion;
-	for (const auto& b : s.boundaries) {
-		if (!b || b->region().kind != Region<D>::Kind::side || b->region().on.axis != 0) continue;
-		const bool onAxis = reached && !b->region().on.upper, closes = onAxis && b->name() == "RollerBoundary";
-		if (b->joinsSides() || (onAxis && !closes && b->name() != "InsulatedBoundary"))
-			throw std::invalid_argument(
-			        b->name()
-			        + " on left of axisymmetric ground: an axis has no area and no other side; leave it out, or let the box begin at a radius");
-		closed = closed || closes;
-	}
-	if (!closed) s.boundaries.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side("left")));
 }
 
 template <int D> void checkSettings(const GroundSettings<D>& s)
@@ -269,6 +250,10 @@ template <int D> void checkBoundaries(const GroundSettings<D>& settings, const G
 		if (b->region().kind == Region<D>::Kind::bodies && !settings.bodies)
 			refuse(placed(i) + ": the ground meets no bodies; add bodies or leave this boundary out");
 		b->validate(grid);
+		const Side side  = b->region().on;
+		const bool axial = settings.axisymmetric && b->region().kind == Region<D>::Kind::side && side.axis == 0;
+		if (axial && (b->joinsSides() || (!side.upper && grid.lower()[0] == 0.0)) && b->name() != "RollerBoundary" && b->name() != "InsulatedBoundary")
+			refuse(placed(i) + " of axisymmetric ground: an axis has no area and no other side; leave it out, or let the box begin at a radius");
 		for (std::size_t j = 0; b->joinsSides() && j < settings.boundaries.size(); ++j)
 			if (j != i && settings.boundaries[j]) checkBeside(*b, "MpmEngine.boundaries[" + std::to_string(j) + "]", *settings.boundaries[j], grid);
 		if (b->joinsSides() && settings.bodies)
@@ -343,8 +328,6 @@ template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<
 }
 
 template void checkSettings(const GroundSettings<2>&);
-template void closeAxis(GroundSettings<2>&);
-template void closeAxis(GroundSettings<3>&);
 template void checkBoundaries(const GroundSettings<2>&, const Grid<2>&);
 template void checkPoints(const GroundSettings<2>&, const Grid<2>&, int, const std::function<PointInput<2>(int)>&);
 template void checkSettings(const GroundSettings<3>&);

@@ -237,8 +237,6 @@ struct StateArray {
 
 template <int D> void checkSettings(const GroundSettings<D>& settings);
 template <int D> void checkBoundaries(const GroundSettings<D>& settings, const Grid<D>& grid);
-/// The axis is a plane of symmetry where the box reaches it.
-template <int D> void closeAxis(GroundSettings<D>& settings);
 template <int D> void checkPoints(const GroundSettings<D>& settings, const Grid<D>& grid, int count, const std::function<PointInput<D>(int id)>& point);
 
 } // namespace talik

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include <pkg/mpm/boundary/Boundaries.hpp>
 #include <pkg/mpm/GroundParts.hpp>
 
 #include <algorithm>
@@ -356,8 +357,11 @@ template <int D> void Ground<D>::initialise()
 	g.grid = Grid<D>(g.settings.lower, g.settings.upper, g.settings.gridSpacing);
 	checkSettings(g.settings);
 	if (g.settings.axisymmetric) {
+		auto&      all   = g.settings.boundaries;
+		const auto onIt  = [](const auto& b) { return b && b->name() == "RollerBoundary" && b->region().on.axis == 0 && !b->region().on.upper; };
+		const bool reach = g.settings.motion && g.settings.lower[0] == 0.0; // the axis is a plane of symmetry
+		if (reach && std::none_of(all.begin(), all.end(), onIt)) all.push_back(std::make_shared<RollerBoundary<D>>(Region<D>::side("left")));
 		g.grid.turn();
-		closeAxis(g.settings);
 	}
 	checkBoundaries(g.settings, g.grid);
 	for (const auto& b : g.settings.boundaries)

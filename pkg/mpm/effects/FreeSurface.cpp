@@ -27,7 +27,6 @@ template <int D> void FreeSurface<D>::bind(MaterialPoints<D>& points, const Grid
 {
 	strips_       = &points.strips();
 	volume_       = points.volume();
-	radius_       = points.position(0);
 	conductivity_ = conductivity;
 	nodes.allocate(grid.nodeCount());
 }
@@ -120,12 +119,6 @@ template <int D> void FreeSurface<D>::map(const WeightBlock<D>& w)
 		if (!any) return;
 	}
 	nodeLoops<D>().mapSurface(w, volume_, conductivity_, nodes[0]);
-}
-
-template <int D> void FreeSurface<D>::mapHoop(const WeightBlock<D>& w)
-{
-	for (int k = 0; k < w.count; ++k)
-		overNodes<D>(w, k, [&](int node, double s, const Vec<D>&) { nodes[node][Record::area] += s * volume_[w.first + k] / radius_[w.first + k]; });
 }
 
 template <int D> void FreeSurface<D>::findOpenAir(const Grid<D>& grid, const CellMeans<D>& cells)

@@ -30,8 +30,6 @@ public:
 	/// Marks the cells whose points reach a node that boundaries may ask for; without it all points are mapped.
 	void findNeeded(const Grid<D>& grid, const CellMeans<D>& cells);
 	void map(const WeightBlock<D>& w);
-	/// In the plane about an axis, with the mean of the faces of points: what the radius adds to the area, eq. (29.4).
-	void mapHoop(const WeightBlock<D>& w);
 	/// Lists the nodes of every boundary that uses the surface, as far as they lie in the range, but for those that face bodies.
 	void collect(const Grid<D>& grid, const CellMeans<D>& cells, const ActiveRange& range);
 
@@ -66,7 +64,7 @@ private:
 	bool                       needsAll_ = false, needsSides_ = false;
 
 	const double*                             volume_       = nullptr;
-	const double *                            conductivity_ = nullptr, *radius_ = nullptr;
+	const double*                             conductivity_ = nullptr;
 	std::vector<std::shared_ptr<Boundary<D>>> boundaries_;
 	std::vector<SurfacePatch<D>>              patches_;
 	std::vector<std::vector<int>>             sideNodes_;

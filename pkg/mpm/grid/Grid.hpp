@@ -51,7 +51,6 @@ public:
 			if (turned_) return work([](double x) { return x; });
 		return work([](double) { return 1.0; });
 	}
-	/// The same at one place.
 	double measureAt(double x) const { return turned_ ? x : 1.0; }
 	/// Middle of a cell along the first axis [m].
 	double middle(int cell) const { return lower_[0] + (place(cell, 0) + 0.5) * spacing_; }

@@ -36,7 +36,6 @@ struct SkeletonPoints {
 	const double* temperature   = nullptr; ///< [degC]; nullptr in ground without heat
 	StepTime      time;
 	int           strip = 0; ///< whose points these are, for a model that sees strips
-
 	/// Gives all of them one value, by place.
 	void fill(double* values, double value) const
 	{
