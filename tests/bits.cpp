@@ -114,6 +114,7 @@ template <int D> void throughCheckpoint(const Scene& scene, int steps)
 	march(*first, half, limits);
 	const auto  kept = copyOf(first->state());
 	std::size_t k    = 0;
+	second->repeatDivisions(first->divisions());
 	for (const StateArray& array : second->state())
 		std::copy(kept[k].begin(), kept[k].end(), static_cast<char*>(array.data)), ++k;
 	second->stateRestored();
@@ -147,9 +148,9 @@ int main(int count, char** words)
 	const Scene endless         = withoutEnds(iceRichWet, "all, thaw strain, periodic sides"),
 	            endlessImplicit = withoutEnds(allImplicit, "all, implicit, periodic sides");
 	for (const Scene& scene :
-	     { dryApic, tpic, implicit, warm, frozen, aroundAxis, allOwn, withWalls, withBall, iceRichWet, heaving, endless, endlessImplicit })
+	     { dryApic, tpic, implicit, warm, frozen, aroundAxis, allOwn, withWalls, withBall, iceRichWet, heaving, dividing, endless, endlessImplicit })
 		if (("plane, " + std::string(scene.name)).find(only) != std::string::npos) allWays<2>(scene, steps);
-	for (const Scene& scene : { dryApic, frozen, withWalls, withBall, iceRichWet, heaving })
+	for (const Scene& scene : { dryApic, frozen, withWalls, withBall, iceRichWet, heaving, dividing })
 		if (("space, " + std::string(scene.name)).find(only) != std::string::npos) allWays<3>(scene, steps / 4);
 	return 0;
 }

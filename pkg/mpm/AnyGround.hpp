@@ -75,6 +75,11 @@ public:
 	virtual int                    idAt(int place) const = 0;
 	virtual int*                   skeletonNumbers()     = 0; ///< by place
 
+	/// Points that have divided, one for each that came of it: those have the ids that follow the given ones, in this order.
+	virtual const std::vector<int>& divisions() const = 0;
+	/// After initialise(), before a state is restored: divides points as they were divided before that was saved.
+	virtual void repeatDivisions(const std::vector<int>& parents) = 0;
+
 	/// One component of a point field in the order of ids, to out[0..count). Throws std::invalid_argument listing the fields.
 	virtual void copyById(const std::string& field, int component, double* out) const = 0;
 

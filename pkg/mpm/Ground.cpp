@@ -81,6 +81,14 @@ template <int D> const Grid<D>&           Ground<D>::grid() const { return parts
 template <int D> MaterialPoints<D>&       Ground<D>::points() { return *parts_->points; }
 template <int D> const MaterialPoints<D>& Ground<D>::points() const { return *parts_->points; }
 
+template <int D> const std::vector<int>& Ground<D>::divisions() const { return parts_->parents; }
+
+template <int D> void Ground<D>::repeatDivisions(const std::vector<int>& parents)
+{
+	parts_->points->resize(parts_->points->count() + int(parents.size()));
+	parts_->followDivision(parents);
+}
+
 template <int D> RigidContact<D>* Ground<D>::bodies() { return parts_->bodies.get(); }
 
 template <int D> SkeletonBatch<D> Ground<D>::skeletonBatch(int skeleton) const

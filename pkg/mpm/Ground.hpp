@@ -81,12 +81,14 @@ public:
 	/// Contact with rigid bodies; nullptr in a scene without. Call on an initialised ground.
 	RigidContact<D>* bodies();
 
-	std::vector<FieldInfo> fields() const override;
-	PointFields&           pointFields() override;
-	int                    placeOf(int id) const override { return points().place(id); }
-	int                    idAt(int place) const override { return points().id(place); }
-	int*                   skeletonNumbers() override { return points().skeletons(); }
-	void                   copyById(const std::string& field, int component, double* out) const override;
+	std::vector<FieldInfo>  fields() const override;
+	PointFields&            pointFields() override;
+	int                     placeOf(int id) const override { return points().place(id); }
+	int                     idAt(int place) const override { return points().id(place); }
+	int*                    skeletonNumbers() override { return points().skeletons(); }
+	const std::vector<int>& divisions() const override;
+	void                    repeatDivisions(const std::vector<int>& parents) override;
+	void                    copyById(const std::string& field, int component, double* out) const override;
 
 	/// Points of one skeleton model as the model sees them.
 	SkeletonBatch<D> skeletonBatch(int skeleton) const;

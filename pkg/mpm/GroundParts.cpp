@@ -5,15 +5,35 @@ namespace talik {
 
 template <int D> void Ground<D>::Parts::sort()
 {
+	takePlaces(false);
+	clock.lastSort   = clock.steps;
+	clock.sortWanted = 0;
+	if (!division) return;
+	const auto divided = points->divide(division->find(grid, *points, ranks.halo()));
+	if (divided.empty()) return;
+	followDivision(divided);
+	takePlaces(true);
+}
+
+template <int D> void Ground<D>::Parts::takePlaces(bool costKnown)
+{
 	points->strips().parallel = points->count() >= settings.parallelFrom;
-	if (ranks) sortInSlabs();
+	if (ranks) sortInSlabs(costKnown);
 	else {
 		points->sort(grid);
 		clock.range = ActiveRange::of(grid, *points);
 	}
-	clock.lastSort   = clock.steps;
-	clock.sortWanted = 0;
 	afterReordering(true);
+}
+
+template <int D> void Ground<D>::Parts::followDivision(const std::vector<int>& divided)
+{
+	for (const int id : divided) {
+		parents.push_back(id);
+		if (!given.fill.empty()) given.fill.push_back(given.fill[id]);
+	}
+	for (const auto& law : settings.skeletons)
+		law->divide(divided);
 }
 
 template <int D> void Ground<D>::Parts::afterReordering(bool pointsMoved)
@@ -90,10 +110,12 @@ template <int D> void Ground<D>::Parts::locateInCells()
 template typename PoreContent<2>::PointArrays Ground<2>::Parts::contentOf() const;
 template typename PoreContent<3>::PointArrays Ground<3>::Parts::contentOf() const;
 template void                                 Ground<2>::Parts::sort();
+template void                                 Ground<2>::Parts::followDivision(const std::vector<int>&);
 template void                                 Ground<2>::Parts::afterReordering(bool);
 template void                                 Ground<2>::Parts::clearNodes();
 template void                                 Ground<2>::Parts::locateInCells();
 template void                                 Ground<3>::Parts::sort();
+template void                                 Ground<3>::Parts::followDivision(const std::vector<int>&);
 template void                                 Ground<3>::Parts::afterReordering(bool);
 template void                                 Ground<3>::Parts::clearNodes();
 template void                                 Ground<3>::Parts::locateInCells();

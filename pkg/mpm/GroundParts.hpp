@@ -10,6 +10,7 @@
 #include <pkg/mpm/effects/AffineVelocity.hpp>
 #include <pkg/mpm/effects/BBar.hpp>
 #include <pkg/mpm/effects/DeformationRecord.hpp>
+#include <pkg/mpm/effects/DividingPoints.hpp>
 #include <pkg/mpm/effects/Effect.hpp>
 #include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/effects/HeatTransfer.hpp>
@@ -111,6 +112,8 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<Calendar<D>>            calendar;    ///< whose scale follows the motion
 	/// Those that stand in files of their own, and the points as they see them.
 	std::vector<std::shared_ptr<Effect<D>>> effects;
+	std::shared_ptr<DividingPoints<D>>      division;         ///< one of them
+	std::vector<int>                        parents;          ///< of the points that came of division, in the order of ids
 	std::vector<int>                        stressingEffects; ///< numbers of those that add stress
 	PointsInMotion<D>                       inMotion {};
 
@@ -180,8 +183,9 @@ template <int D> struct Ground<D>::Parts {
 	/// Of points, nodes and cells only what this rank computes takes memory.
 	void          keepOwnPart();
 	const double* costOfPoints() const;
-	/// Sorts the points of all ranks, and cuts new slabs; those that cross go from rank to rank. Collective.
-	void sortInSlabs();
+	/// Sorts the points of all ranks, and cuts new slabs; those that cross go from rank to rank. costKnown: that of strips is as at the last cut.
+	/// Collective.
+	void sortInSlabs(bool costKnown);
 	/// The limits of this rank's points; in words instead if something is wrong.
 	StableTimeStep limitsOfPoints() const;
 	StableTimeStep limitsOfRanks() const;
@@ -210,6 +214,8 @@ template <int D> struct Ground<D>::Parts {
 	void findKeptFractions();
 	void setReferenceOfHeat();
 	void sort();
+	void takePlaces(bool costKnown);
+	void followDivision(const std::vector<int>& divided);
 	void afterReordering(bool pointsMoved = false);
 
 	// ---- p2g ------------------------------------------------------------------------------------------------------------

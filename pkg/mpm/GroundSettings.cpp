@@ -141,6 +141,7 @@ template <int D> static void checkAxis(const GroundSettings<D>& s)
 	require(s.lower[0] >= 0.0, "with lower.x = " + asText(s.lower[0]), "x is the radius; let the box begin at the axis, x = 0, or beyond");
 	const bool fails = std::any_of(s.skeletons.begin(), s.skeletons.end(), [](const auto& law) { return law && law->canFail(); });
 	require(!(s.freezing && s.motion && s.thawFront && fails), "with thawFront", "the front has no hoop stress; set thawFront to None");
+	require(!s.pointsDivide, "with pointsDivide", "edges of points do not see the hoop strain; leave pointsDivide out");
 	require(!s.bodies, "with bodies", "they would be rings; leave bodies out, and move walls by MovingBoundary");
 	require(s.effects.empty(), "with effects", "they do not see the hoop strain; leave them out");
 	require(!s.water || !(s.water->implicit || s.freezing), "with implicit pressure or water that freezes",

@@ -168,6 +168,7 @@ struct SettingsOfAnyDimension {
 	        = ThawFrontSettings {}; ///< at work where the scene has motion, freezing and a skeleton that can fail; empty: one velocity for all
 	bool energyLedger      = false; ///< keep account of work and dissipation, see Balance
 	bool deformationRecord = false; ///< points remember their deformation gradient; needs motion
+	bool pointsDivide      = false; ///< points that grow longer than a cell become two, see DividingPoints; needs motion
 
 	/// Fraction of the pores that holds water, in [0, 1]; NaN (default): 1 with heat or water, 0 in a dry scene. With water it must be 1.
 	double poreFill = std::numeric_limits<double>::quiet_NaN();

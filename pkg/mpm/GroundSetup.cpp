@@ -44,6 +44,7 @@ template <int D> void Ground<D>::Parts::listEffects()
 {
 	effects = settings.effects;
 	if (settings.motion && settings.deformationRecord) effects.push_back(std::make_shared<DeformationRecord<D>>());
+	if (settings.motion && settings.pointsDivide) effects.push_back(division = std::make_shared<DividingPoints<D>>());
 	for (std::size_t k = 0; k < effects.size(); ++k)
 		if (effects[k]->addsStress()) stressingEffects.push_back(int(k));
 }
@@ -115,7 +116,7 @@ template <int D> SkeletonBatch<D> Ground<D>::Parts::arraysOfSkeletons() const
 
 template <int D> void Ground<D>::Parts::bindEffects()
 {
-	const int n = points->count();
+	const int n = points->capacity();
 	passes.bind(grid, *points, *shape, cost);
 	if (motion) motion->bind(*points, grid);
 	if (bodies) bodies->bind(*points, *motion);
@@ -210,7 +211,7 @@ template <int D> void Ground<D>::Parts::fillPoints()
 
 template <int D> void Ground<D>::Parts::placePoints()
 {
-	points->allocate(given.count);
+	points->allocate(given.count, division ? division->room * given.count : 0);
 	if (!grid.images().empty()) points->strips().images = &grid.images();
 	if (settings.materials.size() > 1) points->distinguishMaterials();
 	bindEffects();
@@ -218,7 +219,7 @@ template <int D> void Ground<D>::Parts::placePoints()
 	const int n = points->count(), first = points->strips().firstPoint(), end = points->strips().endPoint();
 	impossible.assign(points->strips().count(), -1);
 	ledger = StepLedger<D>(grid);
-	scratch.reset(n);
+	scratch.reset(points->capacity());
 	cost.allocate(points->strips().count(), int(settings.skeletons.size()), int(effects.size()));
 	for (const auto& effect : effects)
 		effect->start(points->fields(), first, end);

@@ -58,9 +58,9 @@ template <int D> const double* Ground<D>::Parts::costOfPoints() const
 	return cost;
 }
 
-template <int D> void Ground<D>::Parts::sortInSlabs()
+template <int D> void Ground<D>::Parts::sortInSlabs(bool costKnown)
 {
-	points->sortInSlabs(grid, *ranks.slabs(), costOfPoints(), [&] { ranks.cut(); });
+	points->sortInSlabs(grid, *ranks.slabs(), costKnown ? nullptr : costOfPoints(), [&] { ranks.cut(); });
 	clock.range = ActiveRange::of(grid, *points);
 	ranks.keepOwnPoints();
 }
@@ -106,7 +106,7 @@ template bool           Ground<2>::inSlabs() const;
 template std::string    Ground<2>::Parts::refusalOfRanks() const;
 template void           Ground<2>::Parts::followSlabs(bool);
 template void           Ground<2>::Parts::keepOwnPart();
-template void           Ground<2>::Parts::sortInSlabs();
+template void           Ground<2>::Parts::sortInSlabs(bool);
 template std::string    Ground<2>::Parts::ownLimits() const;
 template StableTimeStep Ground<2>::Parts::limitsOfRanks() const;
 template void           Ground<3>::distribute(std::shared_ptr<Communicator>, bool);
@@ -114,7 +114,7 @@ template bool           Ground<3>::inSlabs() const;
 template std::string    Ground<3>::Parts::refusalOfRanks() const;
 template void           Ground<3>::Parts::followSlabs(bool);
 template void           Ground<3>::Parts::keepOwnPart();
-template void           Ground<3>::Parts::sortInSlabs();
+template void           Ground<3>::Parts::sortInSlabs(bool);
 template std::string    Ground<3>::Parts::ownLimits() const;
 template StableTimeStep Ground<3>::Parts::limitsOfRanks() const;
 

@@ -25,6 +25,7 @@ struct Scene {
 	int              columns     = 0;   ///< of points, along the slope; 0: all that have room
 	bool             implicit    = false;
 	bool             periodic = false, axisymmetric = false; ///< periodic: left and right are joined, and ground fills the box between them
+	bool             divide = false;                         ///< one point a cell in a slope that is drawn out
 };
 
 /// Two soils, a wall that moves in, rain, and boundaries that act in boxes, on discs and on a side, across the borders of strips.
@@ -66,6 +67,7 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	s.motion->bBar           = scene.bBar;
 	s.energyLedger           = true;
 	s.deformationRecord      = true;
+	s.pointsDivide           = scene.divide;
 	auto rock                = std::make_shared<ElasticSkeleton<D>>();
 	rock->young              = 5e6;
 	auto soil                = std::make_shared<MohrCoulombSkeleton<D>>();
@@ -119,16 +121,17 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	}
 	auto               ground = std::make_unique<Ground<D>>(s);
 	std::array<int, D> n, i {};
+	const double       size = scene.divide ? h : 0.5 * h;
 	for (int a = 0; a < D; ++a)
-		n[a] = a == 0 ? (scene.columns ? scene.columns : D == 2 ? 62 : 50) : D == 2 ? 14 : 10;
+		n[a] = scene.divide ? (a == 0 ? 14 : 6) : a == 0 ? (scene.columns ? scene.columns : D == 2 ? 62 : 50) : D == 2 ? 14 : 10;
 	for (int a = 0; a < D;) {
 		PointInput<D> p;
-		p.volume = std::pow(0.5 * h, D);
+		p.volume = std::pow(size, D);
 		for (int b = 0; b < D; ++b)
-			p.position[b] = 0.5 * h * (i[b] + 0.5);
+			p.position[b] = size * (i[b] + 0.5);
 		p.temperature = p.position[0] < 1.1 ? -2.0 : 1.0;
 		p.material    = scene.walls && p.position[D - 1] < 0.2 ? 1 : 0;
-		p.velocity[0] = (scene.periodic ? 10.0 : D == 2 ? 3.0 : 8.0) * p.position[D - 1];
+		p.velocity[0] = scene.divide ? 25.0 * p.position[0] : (scene.periodic ? 10.0 : D == 2 ? 3.0 : 8.0) * p.position[D - 1];
 		p.skeleton    = p.position[D - 1] > 0.25 ? 1 : 0;
 		ground->addPoint(p);
 		for (a = 0; a < D && ++i[a] == n[a]; ++a)
@@ -163,6 +166,13 @@ inline const Scene dry { "dry" }, dryApic { "dry, apic", false, false, false, fa
         heavingComputed { "all, computed ice segregation", true, true, true, true, VelocityTransfer::flip, false, false, false, 0.0, INFINITY },
         withBall { "all, a ball, a calendar that follows the motion", true, true, true, true, VelocityTransfer::flip, true, true };
 
+inline Scene withDivision(Scene scene, const char* name)
+{
+	scene.name   = name;
+	scene.divide = true;
+	return scene;
+}
+
 inline Scene withImplicitPressure(Scene scene, const char* name)
 {
 	scene.name     = name;
@@ -191,6 +201,7 @@ inline const Scene wetImplicit     = withImplicitPressure(wet, "water, implicit 
                    allImplicit     = withImplicitPressure(all, "heat, water, freezing, thaw front, implicit pressure"),
                    wallImplicit    = withImplicitPressure(withWalls, "all, two soils, a moving wall, rain, sources, implicit pressure"),
                    heavingImplicit = withImplicitPressure(heavingComputed, "all, computed ice segregation, implicit pressure"),
+                   dividing        = withDivision(heavingComputed, "all, computed ice segregation, points that divide"),
                    ballImplicit    = withImplicitPressure(withBall, "all, a ball, a calendar that follows the motion, implicit pressure");
 
 } // namespace talik

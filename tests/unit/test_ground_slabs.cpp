@@ -62,6 +62,10 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 		std::printf("%ld of %zu points have thawed and settle\n", open, released.size());
 		EXPECT_GT(open, 20);
 	}
+	if (scene.divide) {
+		std::printf("%zu points have divided\n", one->divisions().size());
+		EXPECT_GT(one->divisions().size(), 20u);
+	}
 	if (scene.segregation > 0.0) {
 		std::printf("%.3g kg of water were drawn\n", one->balance().waterDrawn);
 		EXPECT_GT(one->balance().waterDrawn, 0.0);
@@ -88,8 +92,8 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 
 TEST(GroundSlabs, OnTwoRanksGiveTheBitsOfOneRank)
 {
-	for (const Scene& scene :
-	     { dryApic, wet, all, withWalls, withBall, iceRichWet, heaving, heavingComputed, wetImplicit, wallImplicit, heavingImplicit, ballImplicit })
+	for (const Scene& scene : { dryApic, wet, all, withWalls, withBall, iceRichWet, heaving, heavingComputed, dividing, wetImplicit, wallImplicit,
+	                            heavingImplicit, ballImplicit })
 		expectSameBits<2>(scene, 260, { 2 }, { 1 });
 	for (const Scene& scene : { all, allImplicit })
 		expectSameBits<3>(scene, 130, { 2 }, { 1 });
@@ -108,15 +112,16 @@ TEST(GroundSlabs, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
 
 TEST(GroundSlabs, InThePlaneOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene : { dry, dryApic, warm, wet, frozen, all, allOwn, withWalls, withBall, iceRich, iceRichWet, iceRichOwn, heaving,
-	                            heavingComputed, wetImplicit, allImplicit, wallImplicit, heavingImplicit, ballImplicit })
+	for (const Scene& scene : { dry,       dryApic,     warm,        wet,          frozen,          all,         allOwn,
+	                            withWalls, withBall,    iceRich,     iceRichWet,   iceRichOwn,      heaving,     heavingComputed,
+	                            dividing,  wetImplicit, allImplicit, wallImplicit, heavingImplicit, ballImplicit })
 		expectSameBits<2>(scene, 260, { 2, 3, 4 }, { 1, 2 });
 }
 
 TEST(GroundSlabs, InSpaceOnAnyNumberOfRanksGiveTheBitsOfOneRank_slow)
 {
-	for (const Scene& scene :
-	     { dry, frozen, all, withWalls, withBall, iceRichWet, heaving, heavingComputed, allImplicit, wallImplicit, heavingImplicit, ballImplicit })
+	for (const Scene& scene : { dry, frozen, all, withWalls, withBall, iceRichWet, heaving, heavingComputed, dividing, allImplicit, wallImplicit,
+	                            heavingImplicit, ballImplicit })
 		expectSameBits<3>(scene, 130, { 2, 3, 4 }, { 1, 2 });
 }
 

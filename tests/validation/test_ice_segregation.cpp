@@ -382,9 +382,9 @@ TEST(IceSegregation, GroundWithoutIceDrawsWaterFromTheFirstIceOn)
 namespace {
 
 /// The column of ResolvedFringe; its fringe becomes 6 cm thick.
-std::vector<double> excessIceOfAThickFringe(double h, const ResolvedFringe& resolved, const std::vector<double>& days)
+std::vector<double> excessIceOfAThickFringe(double h, const ResolvedFringe& resolved, const std::vector<double>& days, bool divide)
 {
-	auto s                       = freezingGround<2>(h, { h, resolved.height + 3.0 * 0.05 });
+	auto s                       = freezingGround<2>(h, { h, resolved.height + 6.0 * 0.05 });
 	s.mixture.ice.density        = waterDensity;
 	s.mixture.solid.specificHeat = 800.0;
 	s.mixture.ice.specificHeat = s.mixture.liquid.specificHeat = 2940.0;
@@ -399,6 +399,7 @@ std::vector<double> excessIceOfAThickFringe(double h, const ResolvedFringe& reso
 	addBoundary<Traction<2>>(s, Region<2>::freeSurface(), TimeTable(resolved.load));
 	addBoundary<WallTemperature<2>>(s, Region<2>::side("bottom"), TimeTable(resolved.base));
 	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("bottom"), TimeTable(0.0), true);
+	s.pointsDivide = divide;
 	Ground<2> ground(s);
 	fillBox(ground, { 0.0, 0.0 }, { h, resolved.height }, [&](PointInput<2>& p) {
 		const double y = p.position[1];
@@ -419,7 +420,7 @@ std::vector<double> excessIceOfAThickFringe(double h, const ResolvedFringe& reso
 } // namespace
 
 // The fringe of a front that moves on is a part of what freezes: its gradient is much smaller than that behind it. Later the front stands still and one
-// lens grows to 9 cm. With cells of 2.5 cm one point then is three cells long.
+// lens grows to 9 cm. With cells of 2.5 cm one point would then be three cells long, and 27 % of the ice missing.
 TEST(IceSegregation, HeaveThroughAFringeThickerThanACellMeetsFiniteVolumes_slow)
 {
 	citing("heat, Darcy and Clapeyron, finite volumes");
@@ -427,11 +428,14 @@ TEST(IceSegregation, HeaveThroughAFringeThickerThanACellMeetsFiniteVolumes_slow)
 	std::vector<double>       exact;
 	for (const double d : days)
 		exact.push_back(ResolvedFringe().excessIceAfter(d * day));
-	for (const auto& [h, tolerances] : { std::pair<double, std::array<double, 3>> { 0.05, { 0.05, 0.07, 0.05 } }, { 0.025, { 0.05, 0.07, 0.25 } } }) {
-		const auto ice = excessIceOfAThickFringe(h, ResolvedFringe(), days);
+	for (const auto& [h, tolerances] : { std::pair<double, std::array<double, 3>> { 0.05, { 0.05, 0.07, 0.05 } }, { 0.025, { 0.05, 0.07, 0.10 } } }) {
+		const bool divide = h < 0.05;
+		const auto ice    = excessIceOfAThickFringe(h, ResolvedFringe(), days, divide);
 		for (std::size_t k = 0; k < days.size(); ++k) {
 			char label[96];
-			std::snprintf(label, sizeof label, "fringe thicker than a cell, h = %.3f m: excess ice after %.0f days [m]", h, days[k]);
+			std::snprintf(
+			        label, sizeof label, "fringe thicker than a cell, h = %.3f m%s: excess ice after %.0f days [m]", h,
+			        divide ? ", points divide" : "", days[k]);
 			expectRelative(label, ice[k], exact[k], tolerances[k]);
 		}
 	}

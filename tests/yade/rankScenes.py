@@ -350,7 +350,7 @@ def bandsLeft():
 	return mpm
 
 
-def sampledBands(space=False, **ofSkeleton):
+def sampledBands(space=False, size=0.125, long=6.5, stretch=0, **ofSkeleton):
 	"""A long block whose points have samples, sheared and so fast that points go from band to band."""
 	mpm = ground(**ofSkeleton)
 	mpm.boundaries = [wrapper.RollerBoundary(region="bottom"), *mpm.boundaries[1:]]
@@ -362,11 +362,12 @@ def sampledBands(space=False, **ofSkeleton):
 		distribute="ground",
 		**{name: getattr(mpm, name) for name in ("damping", "energyLedger", "skeleton", "heat", "freezing", "water", "boundaries")},
 	)
-	sides = [np.arange(0.0625, length, 0.125) for length in ((6.5, 0.25, 0.5) if space else (6.5, 0.5))]
+	sheared.pointsDivide = stretch > 0
+	sides = [np.arange(0.5 * size, length, size) for length in ((long, 0.25, 0.5) if space else (long, 0.5))]
 	position = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(sides))
 	velocity = np.zeros_like(position)
-	velocity[:, 0] = 10 + 12 * position[:, -1]
-	sheared.addPoints(position=position, volume=0.125 ** len(sides), porosity=0.4, temperature=-1.0, velocity=velocity)
+	velocity[:, 0] = 10 + 12 * position[:, -1] + stretch * position[:, 0]
+	sheared.addPoints(position=position, volume=size ** len(sides), porosity=0.4, temperature=-1.0, velocity=velocity)
 	O.engines = [sheared]
 	return sheared
 
@@ -428,6 +429,24 @@ def bandsOfSamplesCheckpoint():
 
 def bandsOfSamplesResumed():
 	return goOn(talik.resume(folder / "samplesOfBands.checkpoint"))
+
+
+def withSamples(mpm):
+	looks.update({f"sample {point}": np.frombuffer(mpm.skeleton.sample(point).stateBytes, np.uint8) for point in range(0, mpm.pointCount, 3)})
+	return mpm
+
+
+def bandsDividing():
+	"""One point a cell, drawn out: points divide, and their samples with them."""
+	mpm = sampledBands(size=0.25, long=3, stretch=12)
+	given = mpm.pointCount
+	mpm = writtenInMidRun(mpm, 205, "dividing.checkpoint")
+	assert mpm.pointCount >= given + 5 and len(mpm.field("volume")) == mpm.pointCount, mpm.pointCount
+	return withSamples(mpm)
+
+
+def bandsDividingResumed():
+	return withSamples(goOn(talik.resume(folder / "dividing.checkpoint")))
 
 
 looks = {}

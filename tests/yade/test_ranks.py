@@ -104,7 +104,7 @@ small = ["packed", "bodies"]  # too small for slabs: all ranks compute all of it
 inBands = ["bands", "bandsInSpace", "bandsOfBodies", "bandsOfIceRichGround", "bandsCheckpoint", "bandsLeft", "bandsReplaced", "bandsHeated"]
 inBands += ["bandsOfScripts", "bandsShaken", "bandsLawFails", "bandsThrough", "bandsUnderRoom"]
 lookedAt = ["creeping", "stared", "asked"]
-samplesInBands = ["bandsOfSamples", "bandsToTolerance", "bandsExchanged", "bandsBlowUp", "bandsOfSamplesCheckpoint"]
+samplesInBands = ["bandsOfSamples", "bandsToTolerance", "bandsExchanged", "bandsBlowUp", "bandsOfSamplesCheckpoint", "bandsDividing"]
 everything = [*small, *lookedAt, *inBands, *samplesInBands]
 
 
@@ -541,6 +541,7 @@ def checkSamplesOfBands(alone, other):
 	checkStop(alone, other, "bandsBlowUp", "[170] The sample of point 170 blew up")
 	checkKeptSample(alone, other, "blownInBands/point170.yade")
 	checkFile(alone, other, "samplesOfBands.checkpoint")
+	checkFile(alone, other, "dividing.checkpoint")
 	moved = {name: int(number) for name, number, *_ in job.findall(other.said) if name in samplesInBands}
 	print(f"samples that went to another rank: {moved}")
 	assert other.ranks == 1 or all(moved[name] > 0 for name in samplesInBands)
@@ -568,7 +569,8 @@ def test_samples_in_bands_go_with_their_points_and_have_the_bits_of_one_rank(alo
 
 
 resumed = {"bandsResumed": "bandsCheckpoint", "bandsOfSamplesResumed": "bandsOfSamplesCheckpoint", "bandsKeptResumed": "bandsThrough"}
-files = ["bands.checkpoint", "samplesOfBands.checkpoint", "kept.checkpoint"]
+resumed["bandsDividingResumed"] = "bandsDividing"
+files = ["bands.checkpoint", "samplesOfBands.checkpoint", "kept.checkpoint", "dividing.checkpoint"]
 
 
 def checkResumed(alone, cache, folder, written, ranks):

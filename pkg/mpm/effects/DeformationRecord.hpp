@@ -9,10 +9,14 @@ namespace talik {
 
 /// The points remember their deformation gradient since the start, F_new = (1 + Delta t L) F. Nothing in the step needs it; a scene has it to look at
 /// strain.
-template <int D> class DeformationRecord final : public Effect<D> {
+template <int D> class DeformationRecord : public Effect<D> {
 public:
+	explicit DeformationRecord(std::string field = "deformationGradient", std::string unit = "-")
+	        : field_(std::move(field))
+	        , unit_(std::move(unit))
+	{}
 	std::string name() const override { return "deformation record"; }
-	void        declareFields(PointFields& fields) override { handle_ = fields.declare("deformationGradient", name(), "-", D * D); }
+	void        declareFields(PointFields& fields) override { handle_ = fields.declare(field_, name(), unit_, D * D); }
 	void        start(PointFields& fields, int first, int last) override
 	{
 		for (int c = 0; c < D * D; ++c)
@@ -35,9 +39,12 @@ public:
 			}
 	}
 
-private:
-	PointFields::Handle        handle_ = -1;
+protected:
 	std::array<double*, D * D> f_ {};
+
+private:
+	std::string         field_, unit_;
+	PointFields::Handle handle_ = -1;
 };
 
 } // namespace talik

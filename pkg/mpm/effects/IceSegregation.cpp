@@ -45,8 +45,8 @@ template <int D> void IceSegregation<D>::bind(MaterialPoints<D>& points, int cel
 	volume  = points.fields().component(volumeField_);
 	iceMass = points.fields().component(iceField_);
 	cells_.reset(cells);
-	taken_.reset(points.count());
-	opened_.reserve(points.count());
+	taken_.reset(points.capacity());
+	opened_.reserve(points.capacity());
 }
 
 namespace {

@@ -30,7 +30,7 @@ template <int D> void ImplicitPressure<D>::bind(MaterialPoints<D>& points, const
 {
 	for (int a = 0; a < D; ++a) {
 		velocity_[a] = solidVelocity[a];
-		startVelocity_[a].reset(points.count());
+		startVelocity_[a].reset(points.capacity());
 	}
 }
 

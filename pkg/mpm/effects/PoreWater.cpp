@@ -50,7 +50,7 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	exchange.shareColumns(solved, Gathered::velocity);
 	none_.assign(blockSize, 0.0);
 	perHalfCell_ = 2.0 * grid.faceArea() * grid.inverseSpacing();
-	if (iceMass_) fills_.reset(points.count());
+	if (iceMass_) fills_.reset(points.capacity());
 }
 
 template <int D> void PoreWater<D>::allocateCells(int cells, double cellVolume)

@@ -43,14 +43,14 @@ template <int D> void ThawStrain<D>::bind(MaterialPoints<D>& points, int cells)
 		widened_  = points.fields().component(widenedField_);
 		dilation_ = points.fields().component(dilationField_);
 		lastIce_  = points.fields().component(iceField_);
-		freezing_.reset(points.count());
-		widening_.reset(points.count());
+		freezing_.reset(points.capacity());
+		widening_.reset(points.capacity());
 	}
-	sharing_.reset(averages() ? cells : points.count());
-	asked_.reset(points.count());
-	ofSkeleton_.reserve(points.count());
-	all_.reserve(points.count());
-	closed_.reserve(2 * points.count());
+	sharing_.reset(averages() ? cells : points.capacity());
+	asked_.reset(points.capacity());
+	ofSkeleton_.reserve(points.capacity());
+	all_.reserve(points.capacity());
+	closed_.reserve(2 * points.capacity());
 }
 
 template <int D> void ThawStrain<D>::start(int first, int end, const double* iceSaturation, const double* iceMass)

@@ -40,13 +40,13 @@ template <int D> void ThawedCompression<D>::bind(MaterialPoints<D>& points, cons
 	ofThawed_            = bool(settings_->water);
 	smoothingTime_       = gravityTime(settings_->gridSpacing, lengthOf<D>(weight));
 	aimAlong<D>(weight, down_);
-	sharing_.reset(settings_->motion->bBar ? cells : points.count());
-	noIce_.reset(points.count());
-	thawedModulus_.reset(points.count());
-	wishes_.reset(points.count());
+	sharing_.reset(settings_->motion->bBar ? cells : points.capacity());
+	noIce_.reset(points.capacity());
+	thawedModulus_.reset(points.capacity());
+	wishes_.reset(points.capacity());
 	for (std::vector<int>* places : { &ofSkeleton_, &thawed_ })
-		places->reserve(points.count());
-	lost_.reserve(points.count());
+		places->reserve(points.capacity());
+	lost_.reserve(points.capacity());
 }
 
 template <int D> void ThawedCompression<D>::start(int first, int end, const PointsInMotion<D>& moving)

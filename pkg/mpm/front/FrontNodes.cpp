@@ -38,7 +38,7 @@ template <int D> void FrontNodes<D>::bind(const Grid<D>& grid, const MaterialPoi
 	margin_ = 0;
 	for (int a = 0; a < D; ++a)
 		margin_ += 2 * grid.nodeStride(a);
-	cell_.reset(points.count());
+	cell_.reset(points.capacity());
 	for (auto* marks : { &sides_, &sidesAt_, &near_ })
 		marks->assign(grid.nodeCount() + 2 * margin_, 0);
 	slot_.assign(grid.nodeCount(), -1);

@@ -15,7 +15,7 @@ ThawFront<D>::ThawFront(PointFields& fields, const ThawFrontSettings& settings)
 template <int D> void ThawFront<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, bool water)
 {
 	nodes_.bind(grid, points, points.fields().component(sideField_));
-	transfer_.bind(nodes_, records_, points.fields().component(slipField_), points.count(), water);
+	transfer_.bind(nodes_, records_, points.fields().component(slipField_), points.capacity(), water);
 }
 
 template <int D> void ThawFront<D>::keepOnly(int firstPoint, int endPoint)

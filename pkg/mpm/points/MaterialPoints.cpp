@@ -14,13 +14,63 @@ template <int D> MaterialPoints<D>::MaterialPoints()
 	volume_   = fields_.declare("volume", "points", D == 2 ? "m^2" : "m^3", 1);
 }
 
-template <int D> void MaterialPoints<D>::allocate(int count)
+template <int D> void MaterialPoints<D>::allocate(int count, int capacity)
 {
-	fields_.allocate(count);
-	id_.resize(count);
+	fields_.allocate(count, capacity);
+	resize(count);
 	std::iota(id_.begin(), id_.end(), 0);
 	place_ = id_;
-	skeleton_.assign(count, 0);
+}
+
+template <int D> void MaterialPoints<D>::resize(int count)
+{
+	fields_.resize(count);
+	id_.resize(count);
+	place_.resize(count);
+	skeleton_.resize(count);
+	if (!material_.empty()) material_.resize(count);
+}
+
+template <int D> std::vector<int> MaterialPoints<D>::divide(const std::vector<PointDivision>& own)
+{
+	const int        first = strips_.firstPoint(), end = strips_.endPoint(), before = count();
+	std::vector<int> added(strips_.count(), 0), parents;
+	int              strip = strips_.begin(), earlier = 0; // divisions of lower ranks
+	for (const PointDivision& division : own) {
+		while (division.place >= strips_.first[strip + 1])
+			++strip;
+		++added[strip];
+		parents.push_back(id_[division.place]);
+	}
+	if (strips_.slabs) {
+		added = strips_.slabs->sums(added);
+		for (int s = 0; s < strips_.begin(); ++s)
+			earlier += added[s];
+		parents = strips_.slabs->ofAll(parents);
+	}
+	if (parents.empty()) return parents;
+	resize(before + int(parents.size()));
+	const int        at = first + earlier;
+	std::vector<int> halves;
+	from_.clear();
+	for (int p = first, k = 0; p < end; ++p) {
+		from_.push_back(p);
+		if (k == int(own.size()) || own[k].place != p) continue;
+		from_.push_back(p);
+		const int here = at + p + ++k - first;
+		halves.insert(halves.end(), { here - 1, here });
+	}
+	reorder(at);
+	fields_.halve(halves);
+	for (std::size_t k = 0; k < own.size(); ++k) {
+		double* const x = position(own[k].axis) + halves[2 * k];
+		x[0] -= own[k].distance;
+		x[1] += own[k].distance;
+		id_[halves[2 * k + 1]] = before + earlier + int(k);
+	}
+	for (int s = 0, sum = 0; s < strips_.count(); ++s)
+		strips_.first[s + 1] += sum += added[s];
+	return parents;
 }
 
 template <int D> void MaterialPoints<D>::distinguishMaterials() { material_.assign(count(), 0); }
@@ -100,19 +150,24 @@ template <int D> void MaterialPoints<D>::arrange(const Grid<D>& grid, const std:
 
 template <int D> void MaterialPoints<D>::sort(const Grid<D>& grid)
 {
-	const int n = count();
 	findStrips(grid, [&](int p) { return this->at(p); });
-	const auto reorder = [&](auto& values, auto& scratch) {
-		scratch.resize(n);
-		for (int k = 0; k < n; ++k)
-			scratch[k] = values[from_[k]];
-		values.swap(scratch);
-	};
-	fields_.reorder(from_.data());
-	reorder(id_, scratch_);
-	reorder(skeleton_, scratch_);
-	if (!material_.empty()) reorder(material_, materialScratch_);
+	reorder(0);
 	idsRestored();
+}
+
+/// The places from `at` on receive all that is at those in from_.
+template <int D> void MaterialPoints<D>::reorder(int at)
+{
+	const auto take = [&](auto& values, auto& scratch) {
+		scratch.resize(from_.size());
+		for (std::size_t k = 0; k < from_.size(); ++k)
+			scratch[k] = values[from_[k]];
+		std::copy(scratch.begin(), scratch.end(), values.begin() + at);
+	};
+	fields_.reorder(from_, at);
+	take(id_, scratch_);
+	take(skeleton_, scratch_);
+	if (!material_.empty()) take(material_, materialScratch_);
 }
 
 /// Stable: from_ becomes the order of the points whose numbers are in number_.
@@ -201,10 +256,10 @@ template <int D> void MaterialPoints<D>::sortInSlabs(const Grid<D>& grid, SlabDe
 	for (int p = first; p < end; ++p) {
 		const int strip = order.stripOf(number_[p - first] = order.of(at(p)));
 		++counts[strip];
-		costs[strip] += cost[p];
+		if (cost) costs[strip] += cost[p];
 	}
 	counts = slabs.sums(counts);
-	slabs.weigh(slabs.sums(costs));
+	if (cost) slabs.weigh(slabs.sums(costs));
 	std::partial_sum(counts.begin(), counts.end(), strips_.first.begin() + 1);
 	cut();
 

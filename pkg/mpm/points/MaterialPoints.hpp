@@ -71,6 +71,12 @@ private:
 	int threads() const { return parallel ? ThreadPool::threads() : 1; }
 };
 
+/// A point that becomes two, at a distance on both sides of where it was, along an axis.
+struct PointDivision {
+	int    place, axis;
+	double distance; ///< [m]
+};
+
 /// The material points: contiguous arrays, one per component, sorted so that neighbours in space are neighbours in
 /// memory. A point's place in the arrays changes when points are sorted; its id does not.
 template <int D> class MaterialPoints {
@@ -82,8 +88,17 @@ public:
 	const PointFields& fields() const { return fields_; }
 
 	int count() const { return fields_.count(); }
-	/// Allocates all declared fields for count points with ids 0 .. count-1.
-	void allocate(int count);
+	/// Allocates all declared fields for count points with ids 0 .. count-1; see PointFields.
+	void allocate(int count, int capacity = 0);
+	/// Places that arrays by place have.
+	int capacity() const { return fields_.capacity(); }
+
+	/// Makes two of each of these points, in the order of places; in slabs each rank says those of its slab. Both halves have all that the point had, and
+	/// half of its mass, volume and energy. The second has a new id: count() on, in the order of places. Returns the former ids of all, in the
+	/// order of the new ones; unless there are none, the points are to be sorted next. Collective.
+	std::vector<int> divide(const std::vector<PointDivision>& own);
+	/// So many points; what they are is restored next.
+	void resize(int count);
 
 	const int* ids() const { return id_.data(); } ///< id of the point at a place
 	int        id(int place) const { return id_[place]; }
@@ -128,8 +143,8 @@ public:
 	/// Sorts the points (stable) and cuts them into strips. In the plane the points of a cell follow each other, in space those with the
 	/// same support.
 	void sort(const Grid<D>& grid);
-	/// The same for the points of all ranks, each of which has those of its slab; cost: of each since the last cut, by place. cut() takes the
-	/// new strips. Points whose strip belongs to another rank then go there with all that they have. Collective.
+	/// The same for the points of all ranks, each of which has those of its slab; cost: of each since the last cut, by place, or null for the cost
+	/// that is known. cut() takes the new strips. Points whose strip belongs to another rank then go there with all that they have. Collective.
 	void sortInSlabs(const Grid<D>& grid, SlabDecomposition& slabs, const double* cost, const std::function<void()>& cut);
 	/// How often the points were sorted: caches of places are valid as long as it stands.
 	long order() const { return order_; }
@@ -145,6 +160,7 @@ private:
 	PointFields::Handle        position_, volume_;
 	std::vector<int>           id_, place_, skeleton_;
 	std::vector<int>           number_, from_, start_, scratch_;
+	void                       reorder(int at);
 	void                       findOrder(int firstNumber, int endNumber);
 	template <class At> void   findStrips(const Grid<D>& grid, At&& at);
 	std::vector<std::uint16_t> material_, materialScratch_; ///< empty in ground of one material

@@ -2,7 +2,6 @@
 #include <pkg/mpm/points/PointFields.hpp>
 
 #include <algorithm>
-#include <cstring>
 #include <new>
 #include <stdexcept>
 
@@ -13,6 +12,12 @@ namespace {
 	// Arrays of equal size that start at the same page offset fight for the same sets of the first-level cache.
 	constexpr std::size_t stagger = 192;
 	constexpr std::size_t page    = 4096;
+
+	bool isExtensive(const std::string& unit)
+	{
+		static const std::vector<std::string> units { "kg", "J", "J/K", "kg/s", "m^D", "m^2", "m^3" };
+		return std::find(units.begin(), units.end(), unit) != units.end();
+	}
 
 	std::size_t roundUp(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 } // namespace
@@ -28,10 +33,10 @@ PointFields::Handle PointFields::declare(const std::string& name, const std::str
 	return Handle(info_.size()) - 1;
 }
 
-void PointFields::allocate(int count)
+void PointFields::allocate(int count, int capacity)
 {
-	count_                     = count;
-	const std::size_t one      = std::size_t(count) * sizeof(double);
+	capacity_                  = std::max(count, capacity);
+	const std::size_t one      = std::size_t(capacity_) * sizeof(double);
 	const std::size_t perArray = roundUp(one + stagger, page) + stagger;
 	const std::size_t total    = roundUp(perArray * std::max<std::size_t>(arrays_.size(), 1), page);
 	storage_                   = PagedMemory(total);
@@ -39,8 +44,22 @@ void PointFields::allocate(int count)
 		arrays_[i] = reinterpret_cast<double*>(storage_.data() + roundUp(i * perArray, cacheLine));
 	for (std::size_t i = 0; i < arrays_.size(); ++i)
 		if (bound_[i]) *bound_[i] = arrays_[i];
+	resize(count);
+}
+
+void PointFields::resize(int count)
+{
+	count_ = count;
 	for (FieldInfo& f : info_)
-		f.bytes = one * f.components;
+		f.bytes = std::size_t(count) * sizeof(double) * f.components;
+}
+
+void PointFields::halve(const std::vector<int>& places)
+{
+	for (std::size_t i = 0; i < info_.size(); ++i)
+		for (int c = 0; isExtensive(info_[i].unit) && c < info_[i].components; ++c)
+			for (const int p : places)
+				component(Handle(i), c)[p] *= 0.5;
 }
 
 bool PointFields::has(const std::string& name) const
@@ -66,19 +85,19 @@ void PointFields::keepOnly(int first, int end)
 	for (double* array : arrays_) {
 		const auto begin = std::size_t(reinterpret_cast<char*>(array) - storage_.data());
 		storage_.forget(begin, begin + first * sizeof(double));
-		storage_.forget(begin + end * sizeof(double), begin + count_ * sizeof(double));
+		storage_.forget(begin + end * sizeof(double), begin + capacity_ * sizeof(double));
 	}
 	scratch_.clear();
 	scratch_.shrink_to_fit();
 }
 
-void PointFields::reorder(const int* from)
+void PointFields::reorder(const std::vector<int>& from, int at)
 {
-	scratch_.resize(count_);
+	scratch_.resize(from.size());
 	for (double* array : arrays_) {
-		for (int k = 0; k < count_; ++k)
+		for (std::size_t k = 0; k < from.size(); ++k)
 			scratch_[k] = array[from[k]];
-		std::memcpy(array, scratch_.data(), std::size_t(count_) * sizeof(double));
+		std::copy(scratch_.begin(), scratch_.end(), array + at);
 	}
 }
 

@@ -44,10 +44,11 @@ public:
 		bound_[firstArray_[declare(name, owner, unit, 1, persistent)]] = &array;
 	}
 
-	/// Allocates all fields for count points, set to zero.
-	void allocate(int count);
+	/// Allocates all fields for count points, set to zero, with place for others that may come if the capacity is larger.
+	void allocate(int count, int capacity = 0);
 
 	int  count() const { return count_; }
+	int  capacity() const { return capacity_; }
 	bool has(const std::string& name) const;
 
 	/// Array of one component; nullptr if the field is not there.
@@ -56,8 +57,12 @@ public:
 
 	const std::vector<FieldInfo>& list() const { return info_; }
 
-	/// New place k receives what was at place from[k], in every field.
-	void reorder(const int* from);
+	/// Place at + k receives what was at place from[k], in every field.
+	void reorder(const std::vector<int>& from, int at = 0);
+	/// The points at these places are halves: of their mass, volume and energy, by the units of fields, and with all else.
+	void halve(const std::vector<int>& places);
+	/// So many points, which fit into the capacity.
+	void resize(int count);
 	/// All but the places [first, end) are zero and take no memory.
 	void keepOnly(int first, int end);
 	/// Arrays of doubles, one per component of each field.
@@ -70,7 +75,7 @@ private:
 	std::vector<double**>  bound_; ///< by array, the pointer that whoever declared it has, or null
 	PagedMemory            storage_;
 	std::vector<double>    scratch_;
-	int                    count_ = 0;
+	int                    count_ = 0, capacity_ = 0;
 };
 
 } // namespace talik

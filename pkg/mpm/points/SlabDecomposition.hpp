@@ -130,6 +130,17 @@ public:
 			sums[k % n] += all[k];
 		return sums;
 	}
+	/// What all ranks have, in their order.
+	template <class T> std::vector<T> ofAll(const std::vector<T>& own)
+	{
+		std::size_t              n = 0;
+		std::vector<std::size_t> lengths;
+		for (const std::size_t size : byRank(own.size()))
+			lengths.push_back(size * sizeof(T)), n += size;
+		std::vector<T> all(n);
+		if (n > 0) ranks().allGather(own.data(), lengths, all.data());
+		return all;
+	}
 	/// The rank whose slab has a strip.
 	int rankOf(int strip) const;
 	/// Combined bits of all ranks.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace talik {
 
@@ -92,6 +93,10 @@ public:
 	virtual void initialise(const SkeletonBatch<D>&) {}
 	/// In slabs it has to see the points of all ranks there, of which only the ice saturation is that of its rank; it sets those of this one.
 	virtual bool beginsWithAll() const { return false; }
+
+	/// Points have divided: those with the next ids are halves of these, whose state they have. What the model keeps by id is for them, too. The same on
+	/// all ranks.
+	virtual void divide(const std::vector<int>& parents) { (void)parents; }
 
 	/// In a ground in slabs, when they were cut: by the ids of the points of all ranks in the order of places it knows whose they are. What it
 	/// keeps behind points goes with them to their rank. moved: false where all ranks have the same, or what they have is replaced next; true in

@@ -17,7 +17,7 @@ namespace {
 		const auto&         points = engine.points;
 		for (int axis = 0; axis < D; ++axis) {
 			Real low = std::numeric_limits<Real>::infinity(), high = -low;
-			for (int id = 0; id < points.count(); ++id) {
+			for (int id = 0; id < points.given(); ++id) {
 				const Real x = points.position(id, axis), half = 0.5 * (D == 2 ? std::sqrt(points.volume(id)) : std::cbrt(points.volume(id)));
 				low  = std::min(low, x - half);
 				high = std::max(high, x + half);
@@ -42,7 +42,7 @@ namespace {
 	template <int D> vector<talik::Vec<D>> placesOf(const talik::PointTable& points)
 	{
 		vector<talik::Vec<D>> places;
-		for (int id = 0; id < points.count(); ++id)
+		for (int id = 0; id < points.given(); ++id)
 			places.push_back(points.point<D>(id).position);
 		return places;
 	}
@@ -62,6 +62,7 @@ namespace {
 		if (engine.water) s.water = engine.water->build();
 		if (engine.segregation) s.segregation = engine.segregation->build();
 		s.deformationRecord = engine.motion && engine.deformationRecord;
+		s.pointsDivide      = engine.motion && engine.pointsDivide;
 		for (const auto& boundary : engine.boundaries)
 			s.boundaries.push_back(boundary->build<D>());
 		for (const auto& effect : engine.effects)
@@ -83,7 +84,7 @@ namespace {
 		{
 			const auto  laws   = engine.activeSkeletons();
 			const auto& points = engine.points;
-			for (int id = 0; id < points.count(); ++id) {
+			for (int id = 0; id < points.given(); ++id) {
 				const talik::PointInput<D> point = points.point<D>(id);
 				const bool given = !std::isnan(point.stress[0]), hasLaw = point.skeleton >= 0 && point.skeleton < int(laws.size());
 				if (given && !goesOn && engine.motion && hasLaw && laws[point.skeleton]->beginsWithOwnStress())
@@ -93,7 +94,7 @@ namespace {
 					        + " begins with the stress of its sample: leave stress out, and bring the samples to it by "
 					          "talik.slope.settle or depthBands.");
 			}
-			inside.takePoints(points.count(), [&points](int id) {
+			inside.takePoints(points.given(), [&points](int id) {
 				talik::PointInput<D> point = points.point<D>(id);
 				if (std::isnan(point.stress[0])) point.stress.fill(0);
 				return point;

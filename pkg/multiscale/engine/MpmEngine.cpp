@@ -185,6 +185,7 @@ void MpmEngine::initialise()
 	try {
 		if (mayBeInSlabs()) ground->distribute(talik::jobCommunicator(), distribute == "ground");
 		ground->initialise();
+		if (!points.divisions().empty()) ground->repeatDivisions(points.divisions());
 		sayHowRanksShare();
 		restoreSavedState();
 		stepsAtStart = ground->steps();
@@ -470,7 +471,7 @@ void MpmEngine::stepGround()
 	else advanceAlone(newLimit);
 	compareRanks();
 	// once in a run; slabs would hand each other their points for it, and look more seldom
-	if (segregation && newLimit && !said.count(lenses) && (!ground->inSlabs() || ground->steps() % 1000 == 0)) {
+	if (segregation && !pointsDivide && newLimit && !said.count(lenses) && (!ground->inSlabs() || ground->steps() % 1000 == 0)) {
 		const talik::PythonLock held;
 		const string            sentence = py::extract<string>(talik::callPython("talik.plausibility", "lensThatParts", py::ptr(this)));
 		if (!sentence.empty()) said.insert(lenses);
@@ -584,6 +585,7 @@ void MpmEngine::advanceAmongBodies()
 void MpmEngine::advance(double dt)
 {
 	ground->beginStep(dt);
+	points.follow(ground->divisions());
 	ground->p2g();                     // points to grid
 	ground->solveNodes();              // nodal forces and heat flows, implicit drag, boundaries
 	ground->g2p();                     // grid to points

@@ -202,6 +202,9 @@ public:
 		((Real,courantNumber,0.4,,"Courant number: time step over h/(c+|v|) [-], in (0,1]; lowered to what is stable wherever the points lie: 0.408 with "
 				"quadraticBSpline, 0.327 with gimp. May be changed while running."))
 		((Real,heatFraction,0.9,,"Time step over the explicit limit of conduction [-], in (0,1]. May be changed while running."))
+		((bool,pointsDivide,false,,"A point that a stretch or an ice lens makes longer than 1.25 cells becomes two where a cell beside it is left without points, so "
+				"that slides do not tear into lumps. Both halves have half of its mass, volume, heat and water, all else, and a copy of its sample. The new point "
+				"has the next id, at the end of the arrays of field(). Points do not merge. Needs motion."))
 		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every "
 				"point follow the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see "

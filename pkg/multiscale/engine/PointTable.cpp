@@ -71,10 +71,10 @@ std::size_t PointTable::width(std::size_t column) const
 void PointTable::expand(std::size_t column)
 {
 	Numbers&          numbers = columns_[column];
-	const std::size_t size    = width(column);
+	const std::size_t size = width(column), points = std::size_t(column == ofSkeleton ? count() : count_);
 	if (numbers.size() != size) return;
-	numbers.reserve(size * std::size_t(count_));
-	for (std::size_t k = size; k < size * std::size_t(count_); ++k)
+	numbers.reserve(size * points);
+	for (std::size_t k = size; k < size * points; ++k)
 		numbers.push_back(numbers[k - size]);
 }
 
@@ -98,6 +98,15 @@ void PointTable::setSkeleton(int id, int number)
 	if (skeleton(id) == number) return;
 	expand(ofSkeleton);
 	columns_[ofSkeleton][std::size_t(id)] = number;
+}
+
+void PointTable::follow(const std::vector<int>& divisions)
+{
+	Numbers& skeletons = columns_[ofSkeleton];
+	for (std::size_t k = divisions_.size(); k < divisions.size(); ++k) {
+		if (skeletons.size() > 1) skeletons.push_back(skeletons[std::size_t(divisions[k])]);
+		divisions_.push_back(divisions[k]);
+	}
 }
 
 template <int D> PointInput<D> PointTable::point(int id) const
@@ -148,7 +157,7 @@ py::dict PointTable::arrays() const
 std::uint64_t PointTable::digest() const
 {
 	Checksum checksum;
-	for (int id = 0; id < count_; ++id)
+	for (int id = 0; id < count_; ++id) // of the script
 		for (std::size_t column = 0; column < columns_.size(); ++column)
 			for (std::size_t c = 0; c < width(column); ++c) {
 				const double value = number(column, id, int(c)), plain = std::isnan(value) ? none : value;

@@ -12,13 +12,15 @@
 namespace talik {
 
 /// Material points as a script added them, in the plane or in space, in columns: x y (z), volume, porosity, temperature, pressure, skeleton, stress,
-/// velocity, poreFill; beside them the material. A column that is the same for all points is held once.
+/// velocity, poreFill; beside them the material. A column that is the same for all points is held once. Points that have divided in a run follow; they
+/// have the numbers of those that they come of, but for the skeleton.
 class PointTable {
 	using Numbers = std::vector<double>;
 
 public:
 	int  dimension() const { return dimension_; } ///< 2 or 3; 0 without points
-	int  count() const { return count_; }
+	int  count() const { return count_ + int(divisions_.size()); }
+	int  given() const { return count_; } ///< by the script
 	bool empty() const { return count_ == 0; }
 
 	/// Adds points in columns, as talik._points makes them of the arguments of MpmEngine.addPoints.
@@ -32,8 +34,12 @@ public:
 	double volume(int id) const { return number(1, id); }
 	double porosity(int id) const { return number(2, id); }
 	int    skeleton(int id) const { return int(number(ofSkeleton, id)); }
-	int    material(int id) const { return materials_.empty() ? 0 : materials_[id]; }
+	int    material(int id) const { return materials_.empty() ? 0 : materials_[origin(id)]; }
 	void   setSkeleton(int id, int number);
+
+	/// See AnyGround::divisions().
+	const std::vector<int>& divisions() const { return divisions_; }
+	void                    follow(const std::vector<int>& divisions);
 
 	/// Bit by bit, but for numbers that are none: archives of text keep only that.
 	std::uint64_t digest() const;
@@ -44,16 +50,25 @@ public:
 		ar& boost::serialization::make_nvp("count", count_);
 		ar& boost::serialization::make_nvp("columns", columns_);
 		ar& boost::serialization::make_nvp("materials", materials_);
+		ar& boost::serialization::make_nvp("divisions", divisions_);
 	}
 
 private:
 	static constexpr int ofSkeleton = 5;
 
+	/// The point of the script that a point is a part of.
+	int origin(int id) const
+	{
+		while (id >= count_)
+			id = divisions_[id - count_];
+		return id;
+	}
 	std::size_t width(std::size_t column) const;
 	double      number(std::size_t column, int id, int component = 0) const
 	{
 		const Numbers& numbers = columns_[column];
-		return numbers[(numbers.size() == width(column) ? 0 : std::size_t(id) * width(column)) + std::size_t(component)];
+		const int      row     = column == ofSkeleton ? id : origin(id);
+		return numbers[(numbers.size() == width(column) ? 0 : std::size_t(row) * width(column)) + std::size_t(component)];
 	}
 	void expand(std::size_t column);
 	void append(std::size_t column, const Numbers& more, int points);
@@ -61,6 +76,7 @@ private:
 	int                  dimension_ = 0, count_ = 0;
 	std::vector<Numbers> columns_;
 	std::vector<int>     materials_; ///< empty: all have material 0
+	std::vector<int>     divisions_;
 };
 
 } // namespace talik

@@ -17,6 +17,7 @@ public:
 	double                  prototypeIce(int prototype) const override { return prototypes.at(prototype)->iceSaturation(); }
 	double                  oedometricModulus(int prototype, double iceSaturation) const override { return stiffness.at(prototype).modulus(iceSaturation); }
 	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
+	void                    copy(std::size_t sample) override { samples.push_back(samples.at(sample)); }
 	void                    release(std::size_t sample) override { samples.at(sample) = prototypes.front(); }
 	std::size_t             size() const override { return samples.size(); }
 	void                    clear() override { samples.clear(); }

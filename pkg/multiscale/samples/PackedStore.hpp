@@ -15,6 +15,7 @@ public:
 	double                               prototypeIce(int prototype) const override { return prototypes.at(prototype)->iceSaturation; }
 	double                               oedometricModulus(int prototype, double iceSaturation) const override;
 	const SampleStart<Dim>&              add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
+	void                                 copy(std::size_t sample) override { pool.add(pool.compact(sample)); }
 	void                                 release(std::size_t sample) override { pool.share(sample, beginnings.begin()->second.sample); }
 	std::size_t                          size() const override { return pool.size(); }
 	void                                 clear() override { pool.clear(); }

@@ -72,6 +72,19 @@ template <int Dim> void SampleSkeleton<Dim>::initialise(const SkeletonBatch<Dim>
 	if (slabs) ofSlabs->own(owners(store->size()));
 }
 
+template <int Dim> void SampleSkeleton<Dim>::divide(const std::vector<int>& parents)
+{
+	for (const int id : parents) {
+		prototypeOf.push_back(prototypeOf[id]);
+		sampleOf.push_back(sampleOf[id] < 0 ? -1 : int(store->size()));
+		if (sampleOf[id] < 0) continue;
+		store->copy(std::size_t(sampleOf[id]));
+		++count.points;
+		if (isolated.count(id)) isolated.insert(int(sampleOf.size()) - 1);
+		if (changed.count(id)) changed.insert(int(sampleOf.size()) - 1);
+	}
+}
+
 template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Dim>& batch)
 {
 	const Record&               a = record;

@@ -20,6 +20,7 @@ public:
 	void initialise(const SkeletonBatch<Dim>&) override;
 	bool beginsWithAll() const override { return true; } // samples are numbered alike on all ranks
 	void updateStress(const SkeletonBatch<Dim>&) override;
+	void divide(const std::vector<int>& parents) override;
 	void tangentModulus(const SkeletonBatch<Dim>&, double* modulus) const override;
 
 	ErrorSquares errorSquares(const SkeletonPoints&) const override;

@@ -26,6 +26,8 @@ public:
 	virtual double prototypeIce(int prototype) const                            = 0; ///< ice saturation it was prepared with [-]
 	virtual double oedometricModulus(int prototype, double iceSaturation) const = 0; ///< upper bound [Pa]
 
+	/// A new sample in the state of another.
+	virtual void copy(std::size_t sample) = 0;
 	/// The sample of a point that has left, or that another rank owns: its memory goes, its number stays.
 	virtual void        release(std::size_t sample) = 0;
 	virtual std::size_t size() const                = 0;

@@ -41,6 +41,15 @@ template <int Dim> const SampleStart<Dim>& SlabStore<Dim>::add(int prototype, do
 	return start;
 }
 
+/// Of the same owner.
+template <int Dim> void SlabStore<Dim>::copy(std::size_t sample)
+{
+	held->copy(sample);
+	known.push_back(known[sample]);
+	known.back().cost = 0;
+	if (sample < owner.size()) owner.push_back(owner[sample]);
+}
+
 template <int Dim> void SlabStore<Dim>::release(std::size_t sample)
 {
 	held->release(sample);

@@ -29,6 +29,7 @@ public:
 	const void* identity(std::size_t sample) const override { return held->identity(sample); }
 
 	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
+	void                    copy(std::size_t sample) override;
 	void                    release(std::size_t sample) override;
 	void                    clear() override;
 	void                    resize(std::size_t samples) override;
