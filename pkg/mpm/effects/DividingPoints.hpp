@@ -10,7 +10,7 @@
 namespace talik {
 
 /// A point that a stretch or an ice lens has made longer than a cell leaves a cell beside it without points, which transmits no stress. There it
-/// divides into two, eq. (29.1). Points have the edges of the ground that they stand for, a cube at the start.
+/// divides into two, eq. (30.1). Points have the edges of the ground that they stand for, a cube at the start.
 template <int D> class DividingPoints final : public DeformationRecord<D> {
 public:
 	DividingPoints()
