@@ -160,8 +160,8 @@ public:
 		((Real,gridSpacing,NaN,,"Spacing h of the grid of squares or cubes [m], > 0."))
 		((int,dimension,0,,"2: plane strain, points (n,2), y upwards. 3: space, points (n,3), z upwards. 0: as the points have it, which set it; a lower, upper or "
 				"gravity of three components says 3 to talik.geometry.fill."))
-		((bool,axisymmetric,false,,"The plane turns about x=0: x is the radius, y the axis, and all quantities are those of a radian. The box lies at x >= 0; where it "
-				"reaches the axis a RollerBoundary is there. The volume of a point is that in the plane [m^2], in addPoints, talik.geometry.fill and field volume; the "
+		((bool,axisymmetric,false,,"The plane turns about x=0: x is the radius, y the axis, and all quantities are those of a radian. The box lies at x >= 0; where "
+				"it reaches the axis a RollerBoundary is there. The volume of a point is that in the plane [m^2], in addPoints, talik.geometry.fill and field volume; the "
 				"engine multiplies it by the radius. field('strain') has six components, as in space. Refused with implicit pressure, water that freezes, thawFront, "
 				"segregation, bodies, thawStrain, effects and RveSkeleton."))
 		((GroundVector,lower,NaN,,"Lower corner of the grid's box [m], two components, three in space; its sides are where boundaries act. NaN: around the points."))
