@@ -591,11 +591,3 @@ TEST(ThawFront, SceneWithoutFreezingOrMotionOrStrengthHasNoFront)
 	EXPECT_FALSE(fieldsOf([](GroundSettings<2>& g) { g.thawFront.reset(); }));
 	EXPECT_FALSE(fieldsOf([](GroundSettings<2>& g) { g.skeletons = { elasticOedometer(2e7) }; }));
 }
-
-TEST(ThawFront, SidesOutOfOrderAreRefusedWithASentence)
-{
-	Slab s   = layer(1.0);
-	s.length = 4.0;
-	s.change = [](GroundSettings<2>& g) { g.thawFront->thawedBelow = 0.2; };
-	EXPECT_THROW(SlabScene scene(s), std::invalid_argument);
-}
