@@ -202,7 +202,7 @@ for site, colour in zip(sites, ("tab:blue", "tab:red", "tab:orange", "tab:green"
 		axes.plot(when, np.where(thaw > 0, 100 * thaw, np.nan), styles[name], color=colour, linewidth=1, label=f"{site}, {name}")
 	axes.plot([datetime.date.fromisoformat(date) for date in measured[site]], [100 * value for value in measured[site].values()], "o", color=colour, ms=4)
 axes.set(ylabel="thaw depth [cm]", ylim=(0, None), xlim=(first, first + datetime.timedelta(days=max(map(len, series.values())))))
-axes.invert_yaxis()
+axes.set_ylim(1.15 * axes.get_ylim()[1], 0)  # downwards, with room for the legend
 axes.legend(frameon=False, fontsize=7, ncols=len(sites))
 plots.save(figure, folder / "burned_tundra.png", dpi=100)
 deepest = {f"{site}, {name} [m]": float(thaw.max()) for site in sites for name, thaw in runs[site].items()}
