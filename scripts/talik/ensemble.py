@@ -35,6 +35,7 @@ planName, finishedName, logName = "ensemble.json", "finished.json", "log.txt"
 slid = 0.1  # displacement from which on ground counts as slid [m]
 broke = 0.1  # part of the bonds of a sample broken mechanically from which on it counts as broken [-]
 failed = 0.2  # deviatoric strain from which on frozen ground counts as failed [-]
+sunk = 0.5  # of the top of a slope, from which on it counts as failed [m]
 
 
 # ---- members ---------------------------------------------------------------------------------------------------------------
@@ -248,37 +249,35 @@ class Ensemble:
 		seconds = [json.loads((folder / finishedName).read_text())["seconds"] for folder in self.folders]
 		return more, float(np.mean(seconds)) * -(-more // jobs)
 
-	def frozenBands(self):
-		"""Inclinations [deg] of the shear bands through frozen ground, of the runs in which there is one."""
-		return [summary[_frozenBand] for summary in self.summaries if _isNumber(summary.get(_frozenBand))]
+	def frames(self):
+		"""Of each run the states that talik.output.Frames kept."""
+		return [output.loadFrames(folder / "frames.npz") for folder in self.folders if (folder / "frames.npz").exists()]
 
 	def report(self):
-		"""Table of the headline numbers, how often frozen ground broke and where, and what halving the spread would cost, as Markdown."""
-		count = len(self.summaries)
+		"""Table of the headline numbers, how often the top of the slope failed, and what halving the spread would cost, as Markdown."""
 		lines = [spreadHead, *(each.row() for each in self.spread().values()), ""]
-		if any("band in frozen ground" in summary for summary in self.summaries):
-			bands = self.frozenBands()
-			low, high = confidence(len(bands), count)
-			sure = f"{100 * len(bands) / count:.0f} %, with 90 % confidence {100 * low:.0f} to {100 * high:.0f} %"
-			text = f"Frozen ground breaks through in {len(bands)} of {count} runs ({sure})"
-			if bands:
-				tops = [summary["band in frozen ground.top"] for summary in self.summaries if _isNumber(summary.get(_frozenBand))]
-				text += f", along bands of {', '.join(f'{angle:.0f}' for angle in sorted(bands))}° that begin {min(tops):.2f} to {max(tops):.2f} m below the surface"
+		days = [dayOfFailure(frames) for frames in self.frames()]
+		if days:
+			happened = sorted(day for day in days if day is not None)
+			low, high = confidence(len(happened), len(days))
+			text = f"The top of the slope sinks by {sunk:g} m in {len(happened)} of {len(days)} runs ({100 * len(happened) / len(days):.0f} %, with 90 % "
+			text += f"confidence {100 * low:.0f} to {100 * high:.0f} %)"
+			if happened:
+				text += f", on day {', '.join(f'{day:.0f}' for day in happened)}"
 			lines += [text + ".", ""]
 		runs, seconds = self.cost()
 		lines.append(f"Halving the standard errors takes {runs} runs more, {_words(seconds)} on {len(os.sched_getaffinity(0))} cores.")
 		return "\n".join(lines)
 
 	def draw(self):
-		"""Writes paths.png and map.png into the folder and returns their paths."""
-		frames = [output.loadFrames(folder / "frames.npz") for folder in self.folders if (folder / "frames.npz").exists()]
+		"""Writes paths.png, map.png and failure.png into the folder and returns their paths."""
+		frames = self.frames()
 		pictures = [plots.save(drawPaths([summary["history"] for summary in self.summaries if summary.get("history")]), self.folder / "paths.png", dpi=100)]
 		if frames:
 			pictures.append(plots.save(drawMap([each[-1] for each in frames]), self.folder / "map.png", dpi=100))
+			figure = drawFailure([dayOfFailure(each) for each in frames], min(each[-1]["day"] for each in frames))
+			pictures.append(plots.save(figure, self.folder / "failure.png", dpi=100))
 		return pictures
-
-
-_frozenBand = "band in frozen ground.inclination"
 
 
 def _words(seconds):
@@ -320,6 +319,40 @@ def drawPaths(histories, label="largest displacement [m]"):
 	axes.set(xlabel="day", ylabel=label, xlim=(days[0], days[-1]), ylim=(0, None))
 	axes.legend(frameon=False, loc="best")
 	return fig
+
+
+def dayOfFailure(frames, least=sunk):
+	"""Day on which the top of a slope has first sunk by `least` [m], on a straight line between two frames; None if it never has. The top is the uppermost
+	layer of points; before it moved it lay within one width of a point below the highest one.
+
+	>>> def frame(day, sinks):
+	...     return dict(day=day, position=np.array([(0.5, 1.5 - sinks)]), displacement=np.array([(0.0, -sinks)]), volume=np.ones(1))
+	>>> talik.ensemble.dayOfFailure([frame(0, 0), frame(10, 0.2), frame(20, 0.8)])
+	15.0"""
+	height = (frames[0]["position"] - frames[0]["displacement"])[:, -1]
+	top = height > height.max() - sideOf(frames[0])
+	looks = [(frame["day"], -frame["displacement"][top, -1].min()) for frame in frames]
+	for (before, less), (day, more) in zip([(0.0, 0.0), *looks], looks):
+		if more >= least:
+			return float(before + (day - before) * (least - less) / (more - less))
+	return None
+
+
+def drawFailure(days, end, what=f"the top of the slope has sunk by {sunk:g} m"):
+	"""Figure: probability that it has happened until a day, with its band of confidence of 90 %.
+
+	days  on which it happened in each run, None where it did not; end: day on which the runs ended
+
+	>>> figure = talik.ensemble.drawFailure([500, None, 520], end=600)"""
+	happened = np.sort([day for day in days if day is not None])
+	edges, count = [0, *np.repeat(happened, 2), end], np.repeat(np.arange(len(happened) + 1), 2)
+	low, high = confidence(count, len(days))
+	axes = plots.figure(6, 3.5).subplots()
+	axes.fill_between(edges, 100 * low, 100 * high, color="steelblue", alpha=0.3, linewidth=0, label="90 % confidence")
+	axes.plot(edges, 100 * count / len(days), color="navy", label=f"{len(happened)} of {len(days)} runs")
+	axes.set(xlabel="day", ylabel="probability [%]", title=what, xlim=(0, end), ylim=(0, 100))
+	axes.legend(frameon=False, loc="upper left")
+	return axes.figure
 
 
 def shares(frames, happened=None):

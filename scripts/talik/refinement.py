@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Samples where they are needed: an analytic skeleton is swapped for samples of grains, and back, while the slope runs.
+"""Samples where they are needed: an analytic skeleton is swapped for samples of grains, and back, while the slope runs. A packed sample
+goes on as a scene of YADE.
 
 	talik.refine(mpm, where=lambda x, y: y > 2, sample=sample)  # samples at the stress and ice saturation of their points
 	talik.coarsen(mpm, where=lambda x, y: y < 1, skeleton=MohrCoulombSkeleton())
@@ -70,6 +71,34 @@ def coarsen(mpm, where, skeleton):
 		laws, known = laws + [skeleton], [len(laws)]
 	numbers[chosen] = known[0]
 	_exchange(mpm, laws, numbers)
+
+
+def openSample(mpm, id, scene):
+	"""Puts a scene of YADE with any law behind a point of a running ground whose samples are packed; returns the new RveSkeleton of that point.
+
+	The scene is brought to the strain and ice of the present step. The other points keep their packed samples, and the settings are theirs.
+	ValueError if the scene cannot be a sample; the ground is then as before. See MpmEngine.inspect(form="open").
+
+	>>> law = talik.refinement.openSample(mpm, 5, mpm.skeleton.scene(5))
+	>>> law.cost()["form"], mpm.skeletons[0].cost()["form"]
+	('open', 'packed')"""
+	laws, numbers = _laws(mpm), _numbers(mpm)
+	former = laws[numbers[id]]
+	if mpm.tolerance > 0:
+		raise ValueError(f"MpmEngine.tolerance is {mpm.tolerance:g}, and open samples compare no rates: set it to 0 before the first step.")
+	kept = {name: value for name, value in former.dict().items() if name not in ("samples", "scenes", "sampleOf", "form", "device", "skeletons")}
+	if math.isnan(kept["slipFriction"]):
+		kept["slipFriction"] = former.measuredFriction
+	sample = _class("OpenRveSample")(source=scene, **{name: kept[name] for name in ("maxStrainPerStep", "maxInertialNumber", "minSteps", "timeStepFollowsIce")})
+	gradient = np.zeros((3, 3))
+	accumulated = mpm.field(f"skeleton{numbers[id]}.accumulatedGradient")[id]
+	size = math.isqrt(accumulated.size)
+	gradient[:size, :size] = accumulated.reshape(size, size)
+	sample.apply(Matrix3(*gradient.ravel()), float(_iceSaturation(mpm)[id]))
+	law = _class("RveSkeleton")(scenes=[sample.scene], sampleOf=[0 if k == id else -1 for k in range(mpm.pointCount)], form="open", **kept)
+	numbers[id] = len(laws)
+	_exchange(mpm, laws + [law], numbers)
+	return law
 
 
 def bringTo(sample, stress, iceSaturation=0.0):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from talik import batch, ensemble
 
@@ -28,15 +29,15 @@ if options.seed == "1001" and not options.resume:
 	(folder / "slope.checkpoint").write_text("half way")
 	sys.exit(1)
 path = 1 + (int(options.seed) - 1) / 1e4
-broken = {"band in frozen ground": "none"} if options.seed == "1" else {"band in frozen ground.inclination": 60.0, "band in frozen ground.top": 0.2}
 history = [[0, 0, 0], [10, 1, path / 2], [20, 2, path]]
-headlines = ["path [m]", "band in frozen ground.inclination"]
-summary = {"headlines": headlines, "path [m]": path, "offset": float(options.grid_offset), "history": history, "band in frozen ground": "x", **broken}
+summary = {"headlines": ["path [m]"], "path [m]": path, "offset": float(options.grid_offset), "history": history}
 (folder / "summary.json").write_text(json.dumps(summary))
 position = np.array([[x + 0.5, y + 0.5] for x in range(3) for y in range(2)])
 moved = np.zeros((6, 2))
 moved[: 2 if options.seed == "1" else 4, 0] = 0.5
-frame = dict(time=np.array(2.0), position=position + moved, displacement=moved, volume=np.ones(6), iceSaturation=np.ones(6), deviatoricStrain=moved[:, 0])
+moved[1, 1] = 0 if options.seed == "1" else -1
+frame = dict(time=np.array(2.0), day=np.array(20.0), position=position + moved, displacement=moved, volume=np.ones(6))
+frame.update(iceSaturation=np.ones(6), deviatoricStrain=moved[:, 0])
 np.savez(folder / "frames.npz", **{f"0/{name}": values for name, values in frame.items()})
 """
 
@@ -71,7 +72,7 @@ def script(tmp_path):
 	return file
 
 
-def test_an_ensemble_goes_on_where_it_was_stopped_adds_members_and_tells_where_and_how_often_frozen_ground_broke(script, tmp_path):
+def test_an_ensemble_goes_on_where_it_was_stopped_adds_members_and_tells_when_and_how_often_the_top_of_the_slope_failed(script, tmp_path):
 	said, folder = [], tmp_path / "several"
 	first = ensemble.run(script, folder, 2, ["--preset", "test"], jobs=2, told=said.append)
 	assert len(first.summaries) == 1 and any("member 1 of 2 failed" in line for line in said)
@@ -84,10 +85,10 @@ def test_an_ensemble_goes_on_where_it_was_stopped_adds_members_and_tells_where_a
 	assert [summary["offset"] for summary in three.summaries] == [0, 0.5, 0.25]
 	path = three.spread()["path [m]"]
 	assert path.mean == pytest.approx(1.1) and path.error == pytest.approx(0.1 / math.sqrt(3))
-	assert "breaks through in 2 of 3 runs (67 %, with 90 % confidence 14 to 98 %), along bands of 60, 60°" in three.report()
+	assert "sinks by 0.5 m in 2 of 3 runs (67 %, with 90 % confidence 14 to 98 %), on day 10, 10" in three.report()
 	runs, seconds = three.cost(jobs=3)
 	assert runs == 9 and seconds == pytest.approx(3 * np.mean([json.loads(f.read_text())["seconds"] for f in folder.glob("*/finished.json")]))
-	assert [Path(picture).name for picture in three.draw()] == ["paths.png", "map.png"]
+	assert [Path(picture).name for picture in three.draw()] == ["paths.png", "map.png", "failure.png"]
 	with pytest.raises(ValueError, match="arguments .*'test'.* and now .*'draft'.*give another folder"):
 		ensemble.run(script, folder, 3, ["--preset", "draft"])
 
@@ -110,6 +111,17 @@ def test_a_map_tells_in_which_share_of_the_runs_ground_slid_on_the_ground_as_it_
 	print({name: list(values) for name, values in parts.items()})
 	assert side == 1 and place[:, 0].tolist() == [0.5, 1.5, 2.5]
 	assert parts["has slid"].tolist() == [1, 0.5, 0] and parts["bonds broken"].tolist() == [0, 0.5, 0] and parts["failed frozen"].tolist() == [0, 1, 0]
+
+
+def test_the_probability_over_time_is_the_share_of_the_runs_and_its_band_that_of_clopper_and_pearson():
+	"""Three of thirty: 2.8 to 23.9 %, by the quantiles of the beta distribution."""
+	axes = ensemble.drawFailure([500.0, None, 520.0, 510.0, *[None] * 26], end=600).axes[0]
+	days, probability = axes.lines[0].get_data()
+	band = axes.collections[0].get_paths()[0].vertices
+	edges = [(edge.min(), edge.max()) for day in (0, 600) for edge in [band[np.isclose(band[:, 0], day), 1]]]
+	due = [(0, 100 * (1 - 0.05 ** (1 / 30))), tuple(100 * stats.beta.ppf((0.05, 0.95), (3, 4), (28, 27)))]
+	print(f"day 0: {edges[0][0]:.1f} to {edges[0][1]:.1f} %, day 600: {edges[1][0]:.1f} to {edges[1][1]:.1f} %, due {due}")
+	assert days.tolist() == [0, 500, 500, 510, 510, 520, 520, 600] and probability[-1] == pytest.approx(10) and np.allclose(edges, due)
 
 
 def test_bands_of_paths_are_the_deciles_of_the_runs_on_every_day():
@@ -148,5 +160,5 @@ def test_an_ensemble_of_a_slump_runs_from_its_command_and_a_grid_that_lies_other
 	assert [summary["preset.gridOffset"] for summary in several.summaries] == [0, 0.5]
 	points = [summary["points"] for summary in several.summaries]
 	assert points[0] < points[1] < 1.2 * points[0]
-	for name in ("paths.png", "map.png", "ensemble.md"):
+	for name in ("paths.png", "map.png", "failure.png", "ensemble.md"):
 		assert (tmp_path / "two" / name).stat().st_size > 500

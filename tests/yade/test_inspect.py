@@ -184,6 +184,60 @@ def test_a_live_sample_that_can_be_one_no_more_stays_shown_until_it_is_given_up(
 	assert same(O._sceneObj, ground) and everything(mpm) == before
 
 
+def hertzian():
+	"""Gives the grains that O shows contacts of Hertz and Mindlin, which no packed sample of ice bonds has."""
+	O.interactions.clear()
+	law = wrapper.InteractionLoop(
+		[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_MindlinPhys()], [wrapper.Law2_ScGeom_MindlinPhys_Mindlin()]
+	)
+	O.engines = [law if isinstance(engine, wrapper.InteractionLoop) else engine for engine in O.engines]
+	O.run(2, True)
+
+
+def test_one_sample_goes_on_open_with_another_law_while_the_others_stay_packed(sample, capfd):
+	mpm = running(sample)
+	id = mpm.pick(0.1, 0.1)
+	others = [k for k in range(mpm.pointCount) if k != id]
+	names = ("position", "velocity", "displacement", "stress", "temperature", "iceSaturation", "bondsIntact", "fabric")
+	before = {name: mpm.field(name) for name in names}
+	mpm.inspect(id, live=True)
+	hertzian()
+	with pytest.raises(ValueError, match=r"back\(form=\"open\"\)"):
+		mpm.back()
+	mpm.back(form="open")
+	packed, opened = mpm.skeletons
+	assert [packed.cost()["form"], opened.cost()["form"]] == ["packed", "open"] and opened.hasSample(id) and not packed.hasSample(id)
+	changed = [name for name in names if not np.array_equal(mpm.field(name)[others], before[name][others], equal_nan=True)]
+	assert not changed
+	talik._talik.runSerially(6)
+	with mpm.inspect(id):
+		inScene, laws = np.array(utils.getStress())[:2, :2], [type(i.phys).__name__ for i in O.interactions if i.isReal]
+	atPoint = mpm.field("skeleton1.sampleStress")[id].reshape(2, 2)
+	off = np.abs(inScene - atPoint).max() / np.abs(atPoint).max()
+	print(
+		f"\n{len(laws)} contacts of {set(laws)} behind point {id}, {packed.cost()['points']} samples packed; stress of the point off that of the scene by {off:.1e}"
+	)
+	assert set(laws) == {"MindlinPhys"} and opened.cost()["calls"] > 0 and off < 2e-2
+	assert np.isfinite(mpm.field("stress")).all()
+
+
+def test_a_sample_that_is_opened_unchanged_answers_as_the_packed_one_did(sample):
+	stress = {}
+	for form in forms:
+		mpm = running(sample)
+		id = mpm.pick(0.1, 0.1)
+		if form == "open":
+			with mpm.inspect(id, live=True, form="open"):
+				pass
+		talik._talik.runSerially(8)
+		stress[form] = mpm.field("stress")[id]
+	off = np.abs(stress["open"] - stress["packed"]).max() / np.abs(stress["packed"]).max()
+	print(f"\nafter 8 steps the stress of the point is off by {off:.1e} of its largest component; tolerance 5e-2, that of RveSkeleton.stressTolerance")
+	assert off < 5e-2
+	with pytest.raises(ValueError, match="this is a copy"):
+		mpm.inspect(id, form="open")
+
+
 def test_a_block_that_fails_leaves_a_live_sample_as_it_was(sample):
 	mpm = running(sample)
 	before = everything(mpm)
