@@ -136,7 +136,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 		heat->keepOutside(grid);
 		content->holdExcessIce(segregation->volume, segregation->iceMass);
 	}
-	if (compression) compression->bind(*points, content->porosity, content->iceSaturation, grid.cellCount());
+	if (compression) compression->bind(*points, *thawStrain, content->porosity, content->iceSaturation, grid.cellCount());
 	if (motion) skeletons.bind(settings.skeletons, *points, arraysOfSkeletons());
 	shareRecords();
 	if (surface) {
@@ -313,7 +313,6 @@ template <int D> void Ground<D>::Parts::beginSkeletons()
 
 template <int D> void Ground<D>::Parts::checkCompression()
 {
-	compression->open(*thawStrain);
 	std::string words;
 	for (int k = 0; k < skeletons.count() && words.empty(); ++k) {
 		SkeletonBatch<D> thawed = skeletons.batch(k, stepTime());

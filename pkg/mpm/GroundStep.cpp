@@ -554,7 +554,6 @@ template <int D> void Ground<D>::Parts::closeThawStrain(const StepContext<D>& st
 /// After the room of ice has closed: soil in open room carries nothing.
 template <int D> void Ground<D>::Parts::compressThawed(const StepContext<D>& step)
 {
-	compression->open(*thawStrain);
 	for (int k = 0; k < skeletons.count(); ++k) {
 		const std::vector<int>& places = compression->thawedAmong(skeletons.places(k));
 		if (places.empty()) continue;

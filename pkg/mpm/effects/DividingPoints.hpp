@@ -59,19 +59,12 @@ private:
 		points.strips().scatter(
 		        [&](int, int first, int last) {
 			        for (int p = first; p < last; ++p)
-				        filled_[cellOf(grid, points.at(p))] = 1;
+				        filled_[grid.cellOf(points.at(p))] = 1;
 		        },
 		        [&](HaloExchange& rows) {
 			        rows.beyond = true;
 			        rows.cells(filled_.data());
 		        });
-	}
-	static int cellOf(const Grid<D>& grid, const Vec<D>& x)
-	{
-		int cell = 0;
-		for (int a = 0; a < D; ++a)
-			cell += std::min(int((x[a] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) * grid.cellStride(a);
-		return cell;
 	}
 	double lengthAlong(int axis, int p) const
 	{
@@ -83,7 +76,7 @@ private:
 	/// A cell beside, along an axis, has no points, and that behind it has.
 	bool besideGap(const Grid<D>& grid, const Vec<D>& x, int axis) const
 	{
-		const int cell = cellOf(grid, x), at = grid.place(cell, axis), stride = grid.cellStride(axis);
+		const int cell = grid.cellOf(x), at = grid.place(cell, axis), stride = grid.cellStride(axis);
 		return (at >= 2 && !filled_[cell - stride] && filled_[cell - 2 * stride])
 		        || (at + 2 < grid.cells(axis) && !filled_[cell + stride] && filled_[cell + 2 * stride]);
 	}

@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/base/PagedArray.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/points/ActiveRange.hpp>
-#include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/points/PointsInMotion.hpp>
-#include <pkg/mpm/StepContext.hpp>
+#include <pkg/mpm/points/SharedSums.hpp>
 
 #include <vector>
 
 namespace talik {
-
-template <int D> class CellMeans;
 
 /// Ice-rich ground holds more ice than the pores of its soil. When it thaws, the soil closes the room of that ice, along gravity: ice
 /// lenses lie flat, and thaw strain is measured as settlement without strain aside. A skeleton law knows the soil alone, so it is given
@@ -33,10 +28,9 @@ public:
 	/// the pores [kg]: by place; cells null: every point by itself.
 	void release(
 	        const StepContext<D>& step, const PointsInMotion<D>& points, const double* iceSaturation, const double* iceMass, const CellMeans<D>* cells);
-	/// Points of a skeleton with room to close, in the order of places; valid until the next call.
+	/// Those of these points with room to close; valid until the next call.
 	const std::vector<int>& openAmong(const std::vector<int>& places);
-	/// Adds to the displacement gradient of all points that were asked for what closes in this step, eq. (24.3); modulus [Pa]: of the
-	/// oedometer, by place.
+	/// Adds to the displacement gradient of all points with room what closes in this step, eq. (24.3); modulus [Pa]: of the oedometer, by place.
 	void close(const StepContext<D>& step, const PointsInMotion<D>& points, const double* modulus, const Gradients<D>& gradient);
 	/// Ice saturation of the frozen ground at the start [-].
 	double frozenSaturation(int place) const { return frozenSaturation_[place]; }
@@ -48,7 +42,6 @@ public:
 	void keepOnly(const ActiveRange& range, int firstPoint, int endPoint);
 
 private:
-	/// Sums over the points of a cell, or one point.
 	struct Sharing {
 		double volume, room; ///< [m^D]; what ice has left open [m^D]
 		double contraction;  ///< of the step [m^D]
@@ -56,28 +49,23 @@ private:
 		double dilation;     ///< of the ground lately, that is not of widened pores [m^D]
 		double freezing;     ///< by which ice that has formed in the step exceeds its water [m^D]
 	};
-	Sharing& sharing(int place);
-	void     releaseAt(int place, const double* iceSaturation, const double* initialVolume);
-	void     followIce(int place, double dilation, double iceMass, double kept, Sharing& s);
-	void     widen(const StepContext<D>& step, const PointsInMotion<D>& points);
-	void     shareCells(HaloExchange& rows);
-	bool     averages() const { return settings_->motion->bBar; }
+	void releaseAt(int place, double iceSaturation, double initialVolume);
+	void followIce(int place, double dilation, double iceMass, double kept, Sharing& s);
+	void widen(const StepContext<D>& step, const PointsInMotion<D>& points, const Gradients<D>& gradient);
 
 	const GroundSettings<D>* settings_;
 	MaterialPoints<D>*       points_ = nullptr;
-	const CellMeans<D>*      cells_  = nullptr; ///< as release() had them
 	PointFields::Handle      frozenSaturationField_, releasedField_, openField_, lastVolumeField_;
 	PointFields::Handle      widenedField_ = -1, dilationField_ = -1, iceField_ = -1;
 	double *                 frozenSaturation_ = nullptr, *released_ = nullptr, *open_ = nullptr, *lastVolume_ = nullptr;
 	/// Of pore ice that widens its pores: the volume by which it has done so [m^D], what the ground has dilated by lately [m^D], ice before [kg].
-	double *            widened_ = nullptr, *dilation_ = nullptr, *lastIce_ = nullptr;
-	double              expansion_ = 0.0;     ///< volume by which ice exceeds its water over its mass [m^D/kg]; 0: ice widens nothing
-	PagedArray<double>  freezing_, widening_; ///< of the step by place: see Sharing::freezing [m^D]; strain of the ground that is none of the soil [-]
-	Vec<D>              down_ {};             ///< normal of the layers
-	PagedArray<Sharing> sharing_;
-	PagedArray<char>    asked_; ///< by place: the point is one of all_
-	std::vector<int>    ofSkeleton_, all_;
-	AddedStrain<D>      closed_;
+	double *               widened_ = nullptr, *dilation_ = nullptr, *lastIce_ = nullptr;
+	double                 expansion_ = 0.0; ///< volume by which ice exceeds its water over its mass [m^D/kg]; 0: ice widens nothing
+	PagedArray<double>     freezing_;        ///< of the step by place: see Sharing::freezing [m^D]
+	Vec<D>                 down_ {};         ///< normal of the layers
+	SharedSums<D, Sharing> sharing_;
+	std::vector<int>       ofSkeleton_;
+	AddedStrain<D>         closed_;
 };
 
 } // namespace talik

@@ -1,23 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/ThawedCompression.hpp>
 #include <pkg/mpm/effects/ThawStrain.hpp>
-#include <pkg/mpm/points/CellMeans.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 
 namespace talik {
-
-namespace {
-	/// Gravity may be turned while the ground moves.
-	template <int D> void aimAlong(const Vec<D>& gravity, Vec<D>& down)
-	{
-		const double size = lengthOf<D>(gravity);
-		for (int a = 0; a < D && size > 0.0; ++a)
-			down[a] = gravity[a] / size;
-	}
-} // namespace
 
 template <int D>
 ThawedCompression<D>::ThawedCompression(PointFields& fields, const GroundSettings<D>& settings)
@@ -28,24 +17,25 @@ ThawedCompression<D>::ThawedCompression(PointFields& fields, const GroundSetting
 	stressAtStartField_ = fields.declare("pressureAtStart", "thawedCompression", "Pa", 1);
 }
 
-template <int D> void ThawedCompression<D>::bind(MaterialPoints<D>& points, const double* porosity, const double* iceSaturation, int cells)
+template <int D>
+void ThawedCompression<D>::bind(MaterialPoints<D>& points, const ThawStrain<D>& thawStrain, const double* porosity, const double* iceSaturation, int cells)
 {
-	points_              = &points;
-	porosity_            = porosity;
-	iceSaturation_       = iceSaturation;
-	compression_         = points.fields().component(compressionField_);
-	meanPressure_        = points.fields().component(meanPressureField_);
-	stressAtStart_       = points.fields().component(stressAtStartField_);
-	const Vec<D>& weight = settings_->motion->gravity;
-	ofThawed_            = bool(settings_->water);
-	smoothingTime_       = gravityTime(settings_->gridSpacing, lengthOf<D>(weight));
-	aimAlong<D>(weight, down_);
-	sharing_.reset(settings_->motion->bBar ? cells : points.capacity());
-	noIce_.reset(points.capacity());
-	thawedModulus_.reset(points.capacity());
+	const Vec<D>& gravity          = settings_->motion->gravity;
+	points_                        = &points;
+	thawStrain_                    = &thawStrain;
+	porosity_                      = porosity;
+	iceSaturation_                 = iceSaturation;
+	compression_                   = points.fields().component(compressionField_);
+	meanPressure_                  = points.fields().component(meanPressureField_);
+	stressAtStart_                 = points.fields().component(stressAtStartField_);
+	ofThawed_                      = bool(settings_->water);
+	smoothingTime_                 = gravityTime(settings_->gridSpacing, lengthOf<D>(gravity));
+	down_[layerNormal<D>(gravity)] = 1.0;
+	sharing_.bind(settings_->motion->bBar, cells, points.capacity());
+	for (PagedArray<double>* byPlace : { &noIce_, &thawedModulus_ })
+		byPlace->reset(points.capacity());
 	wishes_.reset(points.capacity());
-	for (std::vector<int>* places : { &ofSkeleton_, &thawed_ })
-		places->reserve(points.capacity());
+	ofSkeleton_.reserve(points.capacity());
 	lost_.reserve(points.capacity());
 }
 
@@ -65,20 +55,11 @@ template <int D> double ThawedCompression<D>::melted(int p) const
 	return frozen > 0.0 ? std::max(0.0, 1.0 - iceSaturation_[p] / frozen) : 1.0 - iceSaturation_[p];
 }
 
-template <int D> void ThawedCompression<D>::open(const ThawStrain<D>& thawStrain)
-{
-	thawStrain_ = &thawStrain;
-	for (const int p : thawed_)
-		wishes_[p] = {};
-	thawed_.clear();
-}
-
 template <int D> const std::vector<int>& ThawedCompression<D>::thawedAmong(const std::vector<int>& places)
 {
 	ofSkeleton_.clear();
 	for (const int p : places)
-		if (settings_->materials[points_->material(p)].compression.given() && melted(p) > 0.0) ofSkeleton_.push_back(p);
-	thawed_.insert(thawed_.end(), ofSkeleton_.begin(), ofSkeleton_.end());
+		if (isThawed(p)) ofSkeleton_.push_back(p);
 	return ofSkeleton_;
 }
 
@@ -86,7 +67,7 @@ template <int D> const std::vector<int>& ThawedCompression<D>::thawedAmong(const
 template <int D> typename ThawedCompression<D>::Wish ThawedCompression<D>::wishOf(int p, double present, double bearing, double modulus, double taken) const
 {
 	const double pressure = meanPressure_[p];
-	if (!(pressure > 0.0 && bearing > 0.0) || thawStrain_->isOpen(p)) return {};
+	if (!(pressure > 0.0 && bearing > 0.0) || thawStrain_->isOpen(p) || !isThawed(p)) return {};
 	const CompressionCurve& curve      = settings_->materials[points_->material(p)].compression;
 	const double            share      = melted(p);
 	const double            solidShare = (1.0 - porosity_[p]) * present, lawModulus = thawedModulus_[p];
@@ -121,41 +102,30 @@ template <int D>
 void ThawedCompression<D>::compress(
         const StepContext<D>& step, const PointsInMotion<D>& moving, const double* modulus, const CellMeans<D>* cells, const Gradients<D>& gradient)
 {
-	cells_ = cells;
-	aimAlong<D>(settings_->motion->gravity, down_);
-	if (cells) std::fill(sharing_.begin() + step.halo.firstCell, sharing_.begin() + step.halo.lastCell, Sharing {});
-	else std::fill(sharing_.begin() + step.strips.firstPoint(), sharing_.begin() + step.strips.endPoint(), Sharing {});
 	const double* const volume = moving.volume;
-	const auto          share  = [&](HaloExchange& rows) {
-                if (cells_) rows.cells(sharing_.data());
-	};
-	step.strips.scatter(
-	        [&](int, int first, int last) {
-		        for (int p = first; p < last; ++p) {
-			        Sharing&     s      = sharing(p);
-			        const double counts = volume[p] * (ofThawed_ ? melted(p) : 1.0);
-			        s.volume += volume[p];
-			        s.bearing += counts;
-			        s.pressure += counts * moving.pressureAlong(p, down_);
-		        }
-	        },
-	        share);
+	sharing_.clear(step, cells);
+	sharing_.add(step, [&](int p, Sharing& s) {
+		const double counts = volume[p] * (ofThawed_ ? melted(p) : 1.0);
+		s.volume += volume[p];
+		s.bearing += counts;
+		s.pressure += counts * moving.pressureAlong(p, down_);
+	});
 	const double taken = -std::expm1(-step.dt / smoothingTime_);
-	for (int p = step.strips.firstPoint(); p < step.strips.endPoint(); ++p)
-		if (sharing(p).bearing > 0.0) meanPressure_[p] += taken * (sharing(p).pressure / sharing(p).bearing - meanPressure_[p]);
-	for (const int p : thawed_)
-		wishes_[p] = wishOf(p, volume[p] / moving.initialVolume[p], sharing(p).pressure / sharing(p).bearing, modulus[p], taken);
-	step.strips.scatter(
-	        [&](int, int first, int last) {
-		        for (int p = first; p < last; ++p) {
-			        Sharing& s = sharing(p);
-			        s.wanted += volume[p] * wishes_[p].strain;
-			        s.stiffened += volume[p] * (1.0 + wishes_[p].excess);
-		        }
-	        },
-	        share);
+	step.strips.gather([&](int, int first, int last) {
+		for (int p = first; p < last; ++p) {
+			const Sharing& s = sharing_[p];
+			wishes_[p]       = {};
+			if (s.bearing == 0.0) continue;
+			meanPressure_[p] += taken * (s.pressure / s.bearing - meanPressure_[p]);
+			wishes_[p] = wishOf(p, volume[p] / moving.initialVolume[p], s.pressure / s.bearing, modulus[p], taken);
+		}
+	});
+	sharing_.add(step, [&](int p, Sharing& s) {
+		s.wanted += volume[p] * wishes_[p].strain;
+		s.stiffened += volume[p] * (1.0 + wishes_[p].excess);
+	});
 	for (int p = step.strips.firstPoint(); p < step.strips.endPoint(); ++p) {
-		const Sharing& s = sharing(p);
+		const Sharing& s = sharing_[p];
 		if (s.wanted == 0.0) continue;
 		lost_.add(gradient, p, s.wanted / s.stiffened, down_);
 		if (wishes_[p].strain > 0.0) meanPressure_[p] -= taken * modulus[p] * s.wanted / s.stiffened;
@@ -165,10 +135,9 @@ void ThawedCompression<D>::compress(
 
 template <int D> void ThawedCompression<D>::keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
 {
-	if (settings_->motion->bBar) sharing_.keepOnly(range.firstCell, range.lastCell);
-	else sharing_.keepOnly(firstPoint, endPoint);
-	noIce_.keepOnly(firstPoint, endPoint);
-	thawedModulus_.keepOnly(firstPoint, endPoint);
+	sharing_.keepOnly(range, firstPoint, endPoint);
+	for (PagedArray<double>* byPlace : { &noIce_, &thawedModulus_ })
+		byPlace->keepOnly(firstPoint, endPoint);
 	wishes_.keepOnly(firstPoint, endPoint);
 }
 

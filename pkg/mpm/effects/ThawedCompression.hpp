@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include <pkg/base/PagedArray.hpp>
 #include <pkg/mpm/GroundSettings.hpp>
-#include <pkg/mpm/points/ActiveRange.hpp>
-#include <pkg/mpm/points/MaterialPoints.hpp>
 #include <pkg/mpm/points/PointsInMotion.hpp>
-#include <pkg/mpm/StepContext.hpp>
+#include <pkg/mpm/points/SharedSums.hpp>
 
 #include <vector>
 
 namespace talik {
 
-template <int D> class CellMeans;
 template <int D> class ThawStrain;
 
 /// Ground that has thawed is softer than its skeleton law: it follows a measured curve of strain over stress (CompressionCurve). What the
@@ -21,14 +17,12 @@ template <int D> class ThawStrain;
 template <int D> class ThawedCompression {
 public:
 	ThawedCompression(PointFields& fields, const GroundSettings<D>& settings);
-	/// porosity, iceSaturation: of the points, which it reads.
-	void bind(MaterialPoints<D>& points, const double* porosity, const double* iceSaturation, int cells);
+	/// porosity, iceSaturation: of the points, which it reads, as thaw strain.
+	void bind(MaterialPoints<D>& points, const ThawStrain<D>& thawStrain, const double* porosity, const double* iceSaturation, int cells);
 	/// Takes the present stress as that without strain. Ground that has no ice has settled under it already.
 	void start(int first, int end, const PointsInMotion<D>& moving);
 
-	/// Forgets the points of the step before; frozenSaturation: of thaw strain.
-	void open(const ThawStrain<D>& thawStrain);
-	/// Points of a skeleton that are thawed in part and have a curve, in the order of places; valid until the next call.
+	/// Those of these points that are thawed in part and have a curve; valid until the next call.
 	const std::vector<int>& thawedAmong(const std::vector<int>& places);
 	/// Ice saturation of thawed ground, by place.
 	const double* noIce() const { return noIce_.data(); }
@@ -47,7 +41,6 @@ public:
 	std::string fault(const std::string& law, int place) const;
 
 private:
-	/// Sums over the points of a cell, or one point.
 	struct Sharing {
 		double volume;    ///< [m^D]
 		double bearing;   ///< volume whose stress counts [m^D]
@@ -60,28 +53,27 @@ private:
 		double strain; ///< of its volume, if its stress stays [-]
 		double excess; ///< factor on the volume in Sharing::stiffened, less 1
 	};
-	Sharing& sharing(int place) { return sharing_[cells_ ? cells_->cell(place) : place]; }
-	double   melted(int place) const;
+	double melted(int place) const;
+	bool   isThawed(int place) const { return settings_->materials[points_->material(place)].compression.given() && melted(place) > 0.0; }
 	/// present: volume of the point over that at the start [-].
 	Wish wishOf(int place, double present, double bearing, double modulus, double taken) const;
 
 	const GroundSettings<D>* settings_;
 	MaterialPoints<D>*       points_     = nullptr;
-	const CellMeans<D>*      cells_      = nullptr;
 	const ThawStrain<D>*     thawStrain_ = nullptr;
 	const double *           porosity_ = nullptr, *iceSaturation_ = nullptr;
 	PointFields::Handle      compressionField_, meanPressureField_, stressAtStartField_;
 	double *                 compression_ = nullptr, *meanPressure_ = nullptr, *stressAtStart_ = nullptr;
-	Vec<D>                   down_ {};
+	Vec<D>                   down_ {}; ///< normal of the layers
 	PagedArray<double>       noIce_, thawedModulus_;
 	PagedArray<Wish>         wishes_; ///< by place
-	PagedArray<Sharing>      sharing_;
+	SharedSums<D, Sharing>   sharing_;
 	/// The stress of a cell is the mean of its points: their own scatters about it, and what the peaks press together does not come back. With pore
 	/// water that of its thawed part: frozen points stand in tension beside it.
 	bool ofThawed_ = false;
 	/// In which the stress that counts follows that of the cell [s]: sound that runs through the ground as it settles presses nothing together.
 	double           smoothingTime_ = 0.0;
-	std::vector<int> ofSkeleton_, thawed_;
+	std::vector<int> ofSkeleton_;
 	AddedStrain<D>   lost_;
 };
 

@@ -59,13 +59,10 @@ template <int D> void FrontNodes<D>::updateSides(int first, int last, const doub
 
 template <int D> void FrontNodes<D>::markCells(const Grid<D>& grid, int first, int last)
 {
-	std::array<const double*, D> x;
-	for (int a = 0; a < D; ++a)
-		x[a] = points_->position(a);
 	for (int p = first; p < last; ++p) {
 		int lower = margin_;
 		for (int a = 0; a < D; ++a)
-			lower += (std::min(int((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) + 1) * grid.nodeStride(a);
+			lower += (grid.placeOf(a, points_->position(a)[p]) + 1) * grid.nodeStride(a);
 		cell_[p] = lower;
 		sides_[lower] |= frozen(p) ? frozenBit : thawedBit;
 	}

@@ -74,6 +74,16 @@ public:
 		if (at >= 0 && at < cells_[axis]) return cell + side * cellStride_[axis];
 		return periodic_[axis] ? cell - side * (cells_[axis] - 1) * cellStride_[axis] : -1;
 	}
+	/// Which cell along an axis a place in the box lies in; the upper side belongs to the last.
+	int placeOf(int axis, double x) const { return std::min(int((x - lower_[axis]) * inverseSpacing_), cells_[axis] - 1); }
+	/// The cell in which a place in the box lies.
+	int cellOf(const Vec<D>& x) const
+	{
+		int cell = 0;
+		for (int a = 0; a < D; ++a)
+			cell += placeOf(a, x[a]) * cellStride_[a];
+		return cell;
+	}
 	/// The cell at these places; behind periodic sides that which is repeated there, behind others -1.
 	int cellAt(const std::array<int, D>& places) const;
 

@@ -44,15 +44,9 @@ public:
 	/// Finds the cells of points first .. last and adds up their volumes; call within MaterialPoints::strips().scatter.
 	void locate(const Grid<D>& grid, const MaterialPoints<D>& points, int first, int last)
 	{
-		const std::array<const double*, D> x      = points.positions();
-		const double*                      volume = points.volume();
-		for (int p = first; p < last; ++p) {
-			int c = 0;
-			for (int a = 0; a < D; ++a)
-				c += std::min(int((x[a][p] - grid.lower()[a]) * grid.inverseSpacing()), grid.cells(a) - 1) * grid.cellStride(a);
-			cell_[p] = c;
-			volume_[c] += volume[p];
-		}
+		const double* volume = points.volume();
+		for (int p = first; p < last; ++p)
+			volume_[cell_[p] = grid.cellOf(points.at(p))] += volume[p];
 	}
 	/// What locate() and add() add to.
 	void share(HaloExchange& rows)
