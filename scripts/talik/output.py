@@ -101,6 +101,26 @@ def table(mpm, fields=None):
 # --- ParaView --------------------------------------------------------------------------------------------------------------
 
 
+def contacts(mpm, ids=None):
+	"""Contacts of the samples behind many points as one dictionary of arrays with a row for each contact: point (id), and start, end, normal, normalForce,
+	shearForce and state as talik.packing.sampleArrays has them.
+
+	ids  of the points; default: all that have a sample
+
+	>>> found = talik.output.contacts(mpm, ids=[0, 5])
+	>>> sorted(set(found["point"].tolist())), found["normalForce"].shape == found["state"].shape
+	([0, 5], True)"""
+	from talik import inspection, packing
+
+	names = ("start", "end", "normal", "normalForce", "shearForce", "state")
+	found = []
+	for id in np.flatnonzero(np.isfinite(mpm.field("contacts"))) if ids is None else ids:
+		with inspection.inspectPoint(mpm, id):
+			sample = packing.sampleArrays()
+		found.append({"point": np.full(len(sample["state"]), int(id)), **{name: sample[name] for name in names}})
+	return {name: np.concatenate([one[name] for one in found]) for name in ("point", *names)} if found else {}
+
+
 class ParaViewSeries:
 	"""The ground for ParaView in `folder`: open surface.pvd, the ground as a surface with the fields of its points, or points.pvd, the points
 	themselves. Times are those of `clock`, default O.time; lambda: mpm.calendar["day"] gives days.

@@ -238,6 +238,20 @@ def test_a_sample_that_is_opened_unchanged_answers_as_the_packed_one_did(sample)
 		mpm.inspect(id, form="open")
 
 
+def test_contacts_of_all_samples_are_as_many_as_the_field_says_and_carry_the_pressure_of_their_points(sample):
+	"""Mean pressure of a disc sample: sum of normal force times branch length over twice its volume, whatever the shear forces."""
+	mpm = running(sample)
+	found = talik.output.contacts(mpm)
+	counts = np.bincount(found["point"], minlength=mpm.pointCount)
+	with mpm.inspect(5):
+		pressure, volume = -0.5 * np.trace(np.array(utils.getStress())[:2, :2]), O.cell.volume
+	own = found["point"] == 5
+	branch = ((found["end"] - found["start"])[own] * found["normal"][own]).sum(axis=1)
+	byContacts = (found["normalForce"][own] * branch).sum() / (2 * volume)
+	print(f"\n{counts.sum()} contacts of {mpm.pointCount} samples; pressure behind point 5 {byContacts:.1f} Pa, by YADE {pressure:.1f} Pa")
+	assert (counts == mpm.field("contacts")).all() and byContacts == pytest.approx(pressure, rel=1e-6)
+
+
 def test_a_block_that_fails_leaves_a_live_sample_as_it_was(sample):
 	mpm = running(sample)
 	before = everything(mpm)
