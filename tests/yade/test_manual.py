@@ -29,7 +29,7 @@ def codeOf(text):
 def recipes(batches=False):
 	for page in sorted(pages.glob("*.md")):
 		for title, section in re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", page.read_text(), re.S | re.M):
-			if page.stem != "tutorial" and codeOf(section) and ("batch.run" in section) == batches:
+			if page.stem != "tutorial" and codeOf(section) and ("batch.run" in codeOf(section)) == batches:
 				yield pytest.param(codeOf(section), id=f"{page.stem}: {title}")
 
 
