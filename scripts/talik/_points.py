@@ -10,11 +10,12 @@ defaults = {"volume": math.nan, "porosity": 0.4, "stress": math.nan, "poreFill":
 orders = {4: "xx, yy, zz, xy", 6: "xx, yy, zz, yz, xz, xy"}
 
 
-def columns(positional, named, dimension, materials):
+def columns(positional, named, dimension, materials, said=0):
 	"""(number of points, dimension, arrays): of each of `names` the numbers of all points, or of one where they are alike. ValueError says what is wrong.
 
 	dimension  of the points that were added before, 0: none
 	materials  their names
+	said       MpmEngine.dimension, 0: what the points have
 
 	>>> count, dimension, arrays = talik._points.columns(([(0.5, 0.5)], 0.01), {}, 0, [])"""
 	given = {**named, **dict(zip(names, positional))}
@@ -28,6 +29,8 @@ def columns(positional, named, dimension, materials):
 	count, width = position.shape
 	if dimension and width != dimension:
 		_refuse(f"position is an array (n,{width}), but points with {dimension} coordinates were added before: give all points the same number of them.")
+	if count and said not in (0, width):
+		_refuse(f"position is an array (n,{width}), but MpmEngine.dimension is {said}: give as many coordinates, or leave dimension out.")
 	components, arrays = {"stress": 4 if width == 2 else 6, "velocity": width}, [position]
 	for name in names[1:]:
 		parts = components.get(name, 1)

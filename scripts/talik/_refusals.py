@@ -45,6 +45,27 @@ def _laws(m):
 	return m.skeletons or [law for law in [m.skeleton] if law is not None]
 
 
+def _inPython(m):
+	return next((sentence for law in _laws(m) if isinstance(law, wrapper.PythonSkeleton) for sentence in [_first(pythonLaw, law)] if sentence), "")
+
+
+pythonLaw = (
+	(
+		lambda law: not 0 < law.modulus < math.inf,
+		lambda law: f"PythonSkeleton.modulus is {law.modulus:.10g}: give the largest modulus that the law may have in confined compression, in Pa, above 0.",
+	),
+	(lambda law: "" in law.states, lambda law: "PythonSkeleton.states has '' as a name: give each state a name of its own."),
+	(lambda law: _twice(law.states), lambda law: f"PythonSkeleton.states has '{_twice(law.states)}' twice: give each state a name of its own."),
+	(
+		lambda law: law.statesAtStart and len(law.statesAtStart) != len(law.states),
+		lambda law: f"PythonSkeleton.statesAtStart has {len(law.statesAtStart)} values for {len(law.states)} states: give one each, or none for zeros.",
+	),
+	(
+		lambda law: not all(map(math.isfinite, law.statesAtStart)),
+		lambda law: f"PythonSkeleton.statesAtStart is {next(x for x in law.statesAtStart if not math.isfinite(x)):.10g}: give finite numbers.",
+	),
+)
+
 ground = (
 	(
 		lambda m: m.pointCount == 0,
@@ -79,6 +100,11 @@ ground = (
 		lambda m: "MpmEngine.skeleton is None: ground that moves needs one, e.g. skeleton=ElasticSkeleton(); or set motion=False.",
 	),
 	(lambda m: None in m.skeletons, lambda m: "MpmEngine.skeletons holds None: give skeleton laws only."),
+	(lambda m: m.motion and _inPython(m), lambda m: _inPython(m)),
+	(
+		lambda m: m.distribute not in ("automatic", "ground", "none"),
+		lambda m: f"MpmEngine.distribute is '{m.distribute}': choose automatic, ground (with the samples of its points) or none.",
+	),
 	(lambda m: None in m.boundaries, lambda m: "MpmEngine.boundaries holds None: give boundaries only."),
 	(
 		lambda m: m.effects and not m.motion,

@@ -74,22 +74,12 @@ void MpmEngine::addPoints(const py::object& positional, const py::dict& named)
 	py::list names;
 	for (const auto& each : materials)
 		names.append(each ? each->name : "");
-	const py::object  added = py::import("talik._points").attr("columns")(positional, named, points.dimension(), names);
+	const py::object  added = py::import("talik._points").attr("columns")(positional, named, points.dimension(), names, dimension);
 	talik::PointTable more  = points;
 	more.add(py::extract<int>(added[0]), py::extract<int>(added[1]), added[2]);
-	if (more.dimension() != 0) requireDimension(more.dimension());
 	points = std::move(more);
 	if (points.dimension() != 0) dimension = points.dimension();
 	if (ground) discardGround();
-}
-
-/// Of points that are added, against what the script says.
-void MpmEngine::requireDimension(int ofPoints) const
-{
-	if (dimension == 0 || dimension == ofPoints) return;
-	throw std::invalid_argument(
-	        "MpmEngine.addPoints: position is an array (n," + std::to_string(ofPoints) + "), but MpmEngine.dimension is " + std::to_string(dimension)
-	        + ": give as many coordinates, or leave dimension out.");
 }
 
 int MpmEngine::usedDimension() const
@@ -245,8 +235,6 @@ void MpmEngine::say(const string& sentence)
 /// Laws learn what the ranks of the job divide.
 void MpmEngine::shareAmongRanks()
 {
-	if (distribute != "automatic" && distribute != "ground" && distribute != "none")
-		throw std::invalid_argument("MpmEngine.distribute is '" + distribute + "': choose automatic, ground (with the samples of its points) or none.");
 	worthSlabs = false;
 	if (motion)
 		for (const auto& law : activeSkeletons())

@@ -4,6 +4,7 @@
 #include <core/GlobalEngine.hpp>
 #include <map>
 #include <memory>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/mpm/AnyGround.hpp>
 #include <pkg/multiscale/bodies/BodyContact.hpp>
 #include <pkg/multiscale/engine/GroundOfScene.hpp>
@@ -97,7 +98,6 @@ private:
 	bool                            isAsSet() const;
 	void                            discardGround();
 	void                            dropGround();
-	void                            requireDimension(int ofPoints) const;
 	void                            followInputs();
 	void                            restoreSavedState();
 	void                            restoreArrays(talik::ByteReader& reader, const vector<talik::StateArray>& arrays) const;

@@ -5,7 +5,6 @@
 #include <pkg/python/PythonFunction.hpp>
 
 #include <algorithm>
-#include <set>
 
 namespace py = boost::python;
 namespace np = boost::python::numpy;
@@ -174,9 +173,6 @@ class PythonSkeleton : public LawInAnyDimension<PythonSkeleton> {
 public:
 	template <int D> Model<D> model() const
 	{
-		constexpr AttributeRefusal require { "PythonSkeleton" };
-		require(modulus > 0, "modulus", modulus, "give the largest modulus that the law may have in confined compression, in Pa, above 0.");
-		checkStates();
 		const auto function = law.forRun("PythonSkeleton.law");
 		return std::make_shared<talik::PythonSkeleton<D>>(
 		        talik::LawOfScript { law.name(), function, modulus, canFail, states, statesAtStart, byStrips });
@@ -192,22 +188,6 @@ public:
 
 private:
 	bool byStrips = false;
-
-	void checkStates() const
-	{
-		std::set<string> names;
-		for (const auto& name : states)
-			if (name.empty() || !names.insert(name).second)
-				throw std::invalid_argument(
-				        "PythonSkeleton.states has '" + name + "' " + (name.empty() ? "as a name" : "twice")
-				        + ": give each state a name of its own.");
-		if (!statesAtStart.empty() && statesAtStart.size() != states.size())
-			throw std::invalid_argument(
-			        "PythonSkeleton.statesAtStart has " + std::to_string(statesAtStart.size()) + " values for " + std::to_string(states.size())
-			        + " states: give one each, or none for zeros.");
-		for (const Real value : statesAtStart)
-			AttributeRefusal { "PythonSkeleton" }(true, "statesAtStart", value, "give finite numbers.");
-	}
 
 public:
 	// clang-format off
