@@ -4,9 +4,74 @@
 #include <cmath>
 #include <Eigen/Core>
 #include <Eigen/LU>
-#include <pkg/rve/packed/PackedSample.hpp>
+#include <pkg/icebond/IceLaws.hpp>
+#include <pkg/rve/packed/PackedState.hpp>
+#include <stdexcept>
+#include <string>
 
 namespace talik {
+
+/// What temperature, rate and time make of the ice bonds in an update.
+struct IceOfUpdate {
+	BondStrengthFactors strength {};
+	double              iceStiffness = 1; ///< over that of the material, > 0 [-]
+	BondCreep           creep {};         ///< before the motion
+	/// Throws std::invalid_argument on what no ice can have.
+	void checkIce() const;
+};
+
+/// How a macroscopic increment is applied to a sample.
+struct PackedUpdateOptions : IceOfUpdate {
+	double maxInertialNumber   = 5e-3;  ///< I_max of eq. (13.1) [-]: 1e-3 careful, 5e-3 production
+	double maxStrainPerStep    = 1e-5;  ///< largest strain of one DEM step as long as that of the state [-]
+	long   minSteps            = 10;    ///< N_min
+	bool   timeStepFollowsIce  = true;  ///< steps of the motion are longer where ice is missing that the time step allows for
+	long   steps               = 0;     ///< > 0: exactly this many moving steps, the two limits above are not asked
+	double pressureFloor       = 1e3;   ///< P in eq. (13.1) is never taken smaller [Pa]
+	double saturationIncrement = 0.02;  ///< largest change of ice saturation at once [-]
+	long   stepsPerSaturation  = 2;     ///< steps at zero velocity gradient after each of them
+	long   relaxSteps          = 0;     ///< steps at zero velocity gradient after the motion
+	double flipSkew            = 0.5;   ///< the cell is flipped when a skew passes this; <= 0: never
+	bool   tangent             = false; ///< also return the elastic tangent of the contact network
+};
+
+/// What an update did.
+template <int Dim> struct PackedUpdateResult {
+	typename PackedTypes<Dim>::Matrix stress      = PackedTypes<Dim>::Matrix::Zero(); ///< symmetrised, tension positive [Pa]
+	long                              steps       = 0;
+	long                              movingSteps = 0; ///< of them
+	bool                              flipped     = false;
+	bool                              slipped     = false; ///< a thin cell has slipped, see CellSlip.hpp; the stress is that after it
+	bool                              blewUp      = false; ///< the state is the last good one, the stress is that state's
+	std::string                       reason;              ///< why it blew up, empty otherwise
+	PackedTangent<Dim>                tangent {};          ///< if asked for, see PackedWorkspace::tangent
+	double rateError = 0; ///< of the steps asked for, if rates were compared: norm of the stress less that of infinitely slow motion [Pa]
+};
+
+/// Strain of one DEM step at an inertial number, eq. (13.1), with stress and density of the parameters.
+template <int Dim> double strainPerStep(const PackedParameters<Dim>& p, double timeStep, double meanRadius, double inertialNumber, double pressureFloor)
+{
+	const double pressure = std::max(-p.stress.trace() / Dim, pressureFloor);
+	return inertialNumber * timeStep / (2 * meanRadius) * std::sqrt(pressure / p.density);
+}
+
+/// The number of moving steps N of eq. (13.1) for a displacement gradient; timeStep of the motion [s].
+template <int Dim>
+long movingSteps(
+        const PackedParameters<Dim>& p, double timeStep, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient,
+        const PackedUpdateOptions& options)
+{
+	if (options.steps > 0) return options.steps;
+	const double perStep = std::min(options.maxStrainPerStep, strainPerStep(p, timeStep, meanRadius, options.maxInertialNumber, options.pressureFloor));
+	const double wanted  = std::ceil(displacementGradient.cwiseAbs().maxCoeff() / perStep);
+	if (!(wanted < 1e9))
+		throw std::invalid_argument("packed sample: displacementGradient needs " + std::to_string(wanted) + " DEM steps; reduce the macroscopic step");
+	return std::max(options.minSteps, long(wanted));
+}
+
+/// Cell motion per step: X with (1 + X)^steps = 1 + displacementGradient. Throws std::invalid_argument unless det(1 + dH) > 0 and the
+/// principal root exists.
+template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const typename PackedTypes<Dim>::Matrix& displacementGradient, long steps);
 
 /// Time step of the motion of a sample that bears `longest` with the ice of now [s]: a step more at the end has to pay.
 inline double timeStepOfMotion(double before, double longest)
@@ -141,6 +206,12 @@ template <int Dim> Eigen::Matrix<int, Dim, Dim> cellReduction(Eigen::Matrix<doub
 			}
 	}
 	return combination;
+}
+
+/// Whether a cell is to be flipped, see PackedUpdateOptions::flipSkew.
+template <int Dim> bool flipIsDue(const Eigen::Matrix<double, Dim, Dim>& hSize, double skew)
+{
+	return skew > 0 && cellReduction<Dim>(hSize, std::max(skew, 0.5)) != Eigen::Matrix<int, Dim, Dim>::Identity();
 }
 
 /// Inverse of an integer matrix of determinant +-1, exact by rounding.

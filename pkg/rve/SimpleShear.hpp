@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <algorithm>
-#include <pkg/rve/packed/PackedWorkspace.hpp>
+#include <pkg/rve/packed/PackedSample.hpp>
 
 namespace talik {
 
@@ -29,48 +29,32 @@ private:
 /// Simple shear of a sample without ice: planes across one axis slide along another under a constant normal stress, with no strain along them.
 struct ShearPath {
 	int    along = 0, across = 1;
-	double pressure  = 1e4;  ///< normal stress that is held [Pa], compression positive
-	double stiffness = 3e7;  ///< order of magnitude of that of the sample [Pa]
-	double perCall   = 4e-5; ///< shear of a call [-], its sign the direction
-	long   calls     = 0;
+	double pressure = 1e4;  ///< normal stress that is held [Pa], compression positive
+	double perCall  = 4e-5; ///< shear of a call [-], its sign the direction
+	long   calls    = 0;
 };
 
-/// Calls visit(shear stress in the direction of motion, normal stress, tension positive) after every call of the sample. Ends early where that blows
-/// up and returns the reason.
-template <int Dim, class Apply, class Visit>
-std::string shearSample(const ShearPath& path, const typename PackedTypes<Dim>::Matrix& stressNow, Apply&& apply, Visit&& visit)
+/// Calls visit(shear stress in the direction of motion, normal stress, tension positive) after every call of a packed sample, which stays as it is.
+/// Ends early where it blows up and returns the reason.
+template <int Dim, class Visit> std::string shearPacked(const PackedState<Dim>& state, const ShearPath& path, const PackedUpdateOptions& options, Visit&& visit)
 {
-	using Matrix = typename PackedTypes<Dim>::Matrix;
-	NormalStressControl control(path.pressure, std::abs(path.perCall), path.stiffness);
+	using Matrix          = typename PackedTypes<Dim>::Matrix;
+	const int           a = path.across;
+	PackedSample<Dim>   sample(state);
+	const double        stiffness = std::max(100 * path.pressure, sample.tangent()[std::size_t((a * Dim + a) * Dim + a) * Dim + std::size_t(a)]);
+	NormalStressControl control(path.pressure, std::abs(path.perCall), stiffness);
 	const double        direction = path.perCall < 0 ? -1 : 1;
-	double              normal    = stressNow(path.across, path.across);
+	double              normal    = state.stress(a, a);
 	for (long k = 0; k < path.calls; ++k) {
-		Matrix gradient                    = Matrix::Zero();
-		gradient(path.along, path.across)  = path.perCall;
-		gradient(path.across, path.across) = control.strain(normal);
-		const auto result                  = apply(gradient);
+		Matrix gradient         = Matrix::Zero();
+		gradient(path.along, a) = path.perCall;
+		gradient(a, a)          = control.strain(normal);
+		const auto result       = sample.update(state, gradient, 0, options);
 		if (result.blewUp) return result.reason.empty() ? "it blew up" : result.reason;
-		normal = result.stress(path.across, path.across);
-		visit(direction * result.stress(path.along, path.across), normal);
+		normal = result.stress(a, a);
+		visit(direction * result.stress(path.along, a), normal);
 	}
 	return "";
-}
-
-/// Order of magnitude of the stiffness across the planes of shear [Pa].
-template <int Dim> double stiffnessAcross(const PackedTangent<Dim>& tangent, const ShearPath& path)
-{
-	const int a = path.across;
-	return std::max(100 * path.pressure, tangent[std::size_t((a * Dim + a) * Dim + a) * Dim + std::size_t(a)]);
-}
-
-/// The same of a packed sample, which stays as it is; its stiffness is looked up.
-template <int Dim, class Visit> std::string shearPacked(const PackedState<Dim>& state, ShearPath path, const PackedUpdateOptions& options, Visit&& visit)
-{
-	PackedWorkspace<Dim> sample(portablePathForced());
-	sample.load(state);
-	path.stiffness = stiffnessAcross<Dim>(sample.tangent(), path);
-	return shearSample<Dim>(
-	        path, state.stress, [&](const auto& gradient) { return updateWorkspace<Dim>(sample, state, gradient, 0, options); }, visit);
 }
 
 } // namespace talik

@@ -15,11 +15,11 @@ namespace {
 const Matrix alongTheLattice = matrix(1e-3, 0, 0, -1e-3 / (1 + 1e-3)), diagonal = matrix(0, 1e-3, 1e-3, 0);
 
 /// The sample of stock YADE at 100 kPa.
-PackedSample<2> sample()
+PackedState<2> atRest()
 {
 	PackedSample<2> s(packedReference::sample().state());
 	EXPECT_TRUE(s.servo({}));
-	return s;
+	return s.state();
 }
 
 double lattice(const PackedState<2>& state) { return cellCompactness<2>(state.hSize); }
@@ -74,7 +74,7 @@ TEST(CellSlip, compactnessIsThatOfTheLatticeWhateverItsVectors)
 TEST(CellSlip, cellsInPureShearStayCompactWithTheirGrainsAndTheirFriction)
 {
 	for (const bool turned : { false, true }) {
-		PackedSample<2> s      = sample();
+		PackedSample<2> s(atRest());
 		const auto      before = s.state();
 		const Course    course = shear(s, turned ? diagonal : alongTheLattice, 2);
 		std::printf(
@@ -94,7 +94,7 @@ TEST(CellSlip, cellsInPureShearStayCompactWithTheirGrainsAndTheirFriction)
 
 TEST(CellSlip, thinCellsThatDoNotSlipBecomePillarsAndSayWhy)
 {
-	PackedSample<2>     s = sample();
+	PackedSample<2>     s(atRest());
 	PackedUpdateOptions options;
 	options.flipSkew    = 0;
 	const Course course = shear(s, alongTheLattice, 2.4, options);
@@ -108,7 +108,7 @@ TEST(CellSlip, thinCellsThatDoNotSlipBecomePillarsAndSayWhy)
 
 TEST(CellSlip, simpleShearNeedsNoSlip)
 {
-	PackedSample<2> s      = sample();
+	PackedSample<2> s(atRest());
 	const Course    course = shear(s, matrix(0, 1e-3, 0, 0), 1);
 	std::printf("simple shear to 1: %d slips (0), compactness at least %.3f\n", int(course.slips), course.thinnest);
 	EXPECT_EQ(course.slips, 0u);
@@ -151,7 +151,7 @@ std::string bytesOfFour(const PackedState<2>& start, int threads, int savedAfter
 
 TEST(CellSlip, slipsAreTheSameBitsWithAnyThreadsAndThroughACheckpoint)
 {
-	const PackedState<2> start = sample().state();
+	const PackedState<2> start = atRest();
 	const std::string    one = bytesOfFour(start, 1, -1), three = bytesOfFour(start, 3, -1);
 	const std::string    before = bytesOfFour(start, 2, 450), between = bytesOfFour(start, 2, 650);
 	std::printf(

@@ -490,7 +490,10 @@ TEST(SamplePool, comparedRatesKeepTheFinerStateAndSayHowFarTheCoarserIsFromSlowM
 		SamplePool<2> pool;
 		pool.add(start);
 		options.maxInertialNumber = 1; // the request's own counts
-		const auto result         = pool.update({ { 0, increment, 0., 1e-2, true } }, options, 1).front();
+		PackedRequest<2> request { 0, increment, 0. };
+		request.inertialNumber = 1e-2;
+		request.compareRates   = true;
+		const auto result      = pool.update({ request }, options, 1).front();
 		EXPECT_EQ(result.stress, refined.stress);
 		EXPECT_TRUE(pool.state(0).toBytes() == bytes(fine));
 		EXPECT_EQ(result.steps, fast.steps + refined.steps);

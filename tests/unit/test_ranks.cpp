@@ -19,11 +19,7 @@ using packedSpheres::Matrix;
 
 namespace {
 
-std::shared_ptr<SampleStoreOf<3>> packedStore()
-{
-	return std::make_shared<PackedStore<3>>(
-	        std::vector<PackedStore<3>::StatePointer> { std::make_shared<PackedState<3>>(packedSpheres::sample().state()) });
-}
+std::vector<PackedStore<3>::StatePointer> prototypes() { return { std::make_shared<PackedState<3>>(packedSpheres::sample().state()) }; }
 
 constexpr int samples = 9;
 
@@ -117,7 +113,7 @@ std::string savedBy(const SampleStore& store)
 
 TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 {
-	const auto          one = packedStore();
+	const auto          one = std::make_shared<PackedStore<3>>(prototypes());
 	std::vector<double> wanted, wantedLater;
 	const InSlabs       alone(nullptr);
 	alone.prepare(*one);
@@ -130,7 +126,7 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 		std::vector<std::uint64_t> owned(same.size()), moved(same.size());
 		asRanks(ranks, [&](const std::shared_ptr<Communicator>& communicator) {
 			const InSlabs       ofSlabs(communicator);
-			SlabStore<3>        store(packedStore(), communicator);
+			SlabStore<3>        store(prototypes(), communicator);
 			std::vector<double> numbers, later;
 			ofSlabs.prepare(store);
 			ofSlabs.follow(store, 0, 60, numbers);
@@ -142,7 +138,7 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 			ofSlabs.follow(store, 60, 80, later);
 			const bool wholeSame = savedBy(store) == whole;
 
-			SlabStore<3> resumed(packedStore(), communicator); // by each rank what is its own
+			SlabStore<3> resumed(prototypes(), communicator); // by each rank what is its own
 			ofSlabs.prepare(resumed);
 			resumed.own(ofSlabs.owners(60 / 7));
 			ByteReader        reader(half);
@@ -151,7 +147,7 @@ TEST(Ranks, SamplesOfBandsGoWithTheirPointsAndHaveTheBitsOfOneRank)
 			resumed.restore(layout, [&](std::uint64_t at, std::uint64_t length) { return states.substr(at, length); });
 			std::vector<double> again, fromFile;
 			ofSlabs.follow(resumed, 60, 80, again);
-			SlabStore<3> read(packedStore(), communicator);
+			SlabStore<3> read(prototypes(), communicator);
 			ofSlabs.prepare(read);
 			read.own(ofSlabs.owners(60 / 7));
 			const PartedFile written(ofRanks, PartedFile::For::reading);
@@ -200,7 +196,7 @@ TEST(Ranks, ARankThatLooksBeforeAllReplaceASampleSeesItAsItWas)
 	std::vector<double> before(2, -1), wanted(2, -2);
 	asRanks(2, [&](const std::shared_ptr<Communicator>& communicator) {
 		const InSlabs       ofSlabs(communicator);
-		SlabStore<3>        store(packedStore(), communicator);
+		SlabStore<3>        store(prototypes(), communicator);
 		std::vector<double> numbers;
 		ofSlabs.prepare(store);
 		ofSlabs.follow(store, 0, 9, numbers);
@@ -223,7 +219,7 @@ TEST(Ranks, ARankThatAsksForWhatAnotherHasDroppedIsToldSo)
 	std::string said;
 	asRanks(2, [&](const std::shared_ptr<Communicator>& communicator) {
 		const InSlabs ofSlabs(communicator);
-		auto          store = std::make_unique<SlabStore<3>>(packedStore(), communicator);
+		auto          store = std::make_unique<SlabStore<3>>(prototypes(), communicator);
 		ofSlabs.prepare(*store);
 		if (communicator->rank() == 1) store.reset();
 		else try {
@@ -242,7 +238,7 @@ TEST(Ranks, ARankMayAskWhileTheOthersGoOn)
 	int answered = 0;
 	asRanks(3, [&](const std::shared_ptr<Communicator>& communicator) {
 		const InSlabs       ofSlabs(communicator);
-		SlabStore<3>        store(packedStore(), communicator);
+		SlabStore<3>        store(prototypes(), communicator);
 		std::vector<double> numbers;
 		ofSlabs.prepare(store);
 		for (int turn = 0; turn < 6; ++turn) {

@@ -161,7 +161,8 @@ TEST(SampleSkeleton, ARunInSpaceThatIsSavedGoesOnAlike)
 {
 	Point through(askAlways(), 0.3), restored(askAlways(), 0.3);
 	through.step(increment());
-	restored.law.restore(through.law.save());
+	const std::string states = through.store->states();
+	restored.law.restore(through.law.save(through.store->layout()), [&](std::uint64_t at, std::uint64_t length) { return states.substr(at, length); });
 	std::copy(std::begin(through.stress), std::end(through.stress), restored.stress);
 	for (int k = 0; k < 3; ++k) {
 		through.step(increment());

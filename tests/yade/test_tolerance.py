@@ -149,7 +149,15 @@ def test_tolerance_leaves_no_trace_where_it_is_not_set(sample):
 		assert (mpm.estimatedError is None) == (tolerance == 0)
 	added = fields[0.03] - fields[0]
 	print(f"fields with a tolerance only: {', '.join(sorted(added))}")
-	assert fields[0] < fields[0.03] and added == {"inertialNumber", "predictionError", "rateError", "stepOfLastCall", "callsOfSample"}
+	assert fields[0] < fields[0.03] and added == {
+		"inertialNumber",
+		"predictionError",
+		"rateError",
+		"stepsSinceCall",
+		"callsOfSample",
+		"errorSquares",
+		"stressSquares",
+	}
 
 
 @pytest.mark.parametrize(

@@ -207,6 +207,7 @@ py::object MpmEngine::estimatedError()
 {
 	auto& g = runningGround();
 	if (toleranceInForce == 0) return py::object();
+	g.pointFields(); // those of other ranks, too
 	talik::ErrorSquares sum;
 	const auto          laws = activeSkeletons();
 	for (std::size_t k = 0; k < laws.size(); ++k) {

@@ -98,15 +98,11 @@ std::vector<PackedUpdateResult<Dim>> OpenStore<Dim>::update(const std::vector<Pa
 	const int                            workers = std::max(1, std::min(threads > 0 ? threads : omp_get_max_threads(), int(requests.size())));
 #pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
 	for (long k = 0; k < long(requests.size()); ++k) {
-		const auto&         request = requests[std::size_t(k)];
-		PackedUpdateOptions chosen  = options;
-		chosen.strength             = request.strength;
-		chosen.iceStiffness         = request.iceStiffness;
-		chosen.creep                = request.creep;
+		const auto&            request = requests[std::size_t(k)];
 		const StepGate::Helper helper;
 		try {
 			results[std::size_t(k)] = part<Dim>(
-			        samples[request.sample]->apply(inSpace<Dim>(request.displacementGradient), request.iceSaturation, chosen));
+			        samples[request.sample]->apply(inSpace<Dim>(request.displacementGradient), request.iceSaturation, request.options(options)));
 		} catch (...) {
 			failures[std::size_t(k)] = std::current_exception();
 		}
@@ -118,7 +114,7 @@ std::vector<PackedUpdateResult<Dim>> OpenStore<Dim>::update(const std::vector<Pa
 	return results;
 }
 
-template <int Dim> std::vector<double> OpenStore<Dim>::measure(std::size_t number, const std::string& name) const
+template <int Dim> std::vector<double> OpenStore<Dim>::measureHere(std::size_t number, const std::string& name) const
 {
 	const auto& sample = *samples.at(number);
 	if (name == "cellSlips") return { 0. };

@@ -23,7 +23,6 @@ public:
 	void                    clear() override { samples.clear(); }
 	std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>&, const PackedUpdateOptions&, int threads) override;
 	bool                                 comparesRates() const override { return false; }
-	std::vector<double>                  measure(std::size_t sample, const std::string& name) const override;
 	const void*                          identity(std::size_t sample) const override { return samples.at(sample).get(); }
 	std::size_t                          bytes() const override; ///< of the archived states; a Scene holds about a megabyte more
 	double                               costOfStep(std::size_t) const override { return 1; }
@@ -34,6 +33,9 @@ public:
 	/// A copy of the scene behind a point.
 	boost::shared_ptr<yade::Scene> scene(std::size_t sample) const { return sceneForView(sceneToBytes(samples.at(sample)->yadeScene())); }
 	void                           setScene(std::size_t sample, const boost::shared_ptr<yade::Scene>&);
+
+protected:
+	std::vector<double> measureHere(std::size_t sample, const std::string& name) const override;
 
 private:
 	using Pointer = std::shared_ptr<OpenSample>; ///< of one sample, or of several that were not asked since they were prepared

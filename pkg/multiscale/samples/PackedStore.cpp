@@ -91,7 +91,7 @@ std::vector<PackedUpdateResult<Dim>> PackedStore<Dim>::update(const std::vector<
 	return pool.update(requests, options, threads);
 }
 
-template <int Dim> std::vector<double> PackedStore<Dim>::measure(std::size_t sample, const std::string& name) const
+template <int Dim> std::vector<double> PackedStore<Dim>::measureHere(std::size_t sample, const std::string& name) const
 {
 	const PackedParameters<Dim>& s = pool.parameters(sample);
 	if (name == "bondsFormed") return { double(s.bondsFormed) };

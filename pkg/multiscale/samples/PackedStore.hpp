@@ -6,7 +6,7 @@
 namespace talik {
 
 /// Samples in the packed form.
-template <int Dim> class PackedStore final : public SampleStoreOf<Dim> {
+template <int Dim> class PackedStore : public SampleStoreOf<Dim> {
 public:
 	using StatePointer = std::shared_ptr<const PackedState<Dim>>;
 	explicit PackedStore(std::vector<StatePointer> prototypes);
@@ -21,7 +21,6 @@ public:
 	void                                 clear() override { pool.clear(); }
 	std::vector<PackedUpdateResult<Dim>> update(const std::vector<PackedRequest<Dim>>&, const PackedUpdateOptions&, int threads) override;
 	bool                                 comparesRates() const override { return true; }
-	std::vector<double>                  measure(std::size_t sample, const std::string& name) const override;
 	const void*                          identity(std::size_t sample) const override { return pool.compact(sample).get(); }
 	std::size_t                          distinctStates() const override { return pool.distinctStates(); } ///< asks no device
 	std::size_t                          bytes() const override { return pool.bytes(); }
@@ -36,6 +35,9 @@ public:
 
 	StatePointer state(std::size_t sample) const { return std::make_shared<const PackedState<Dim>>(pool.state(sample)); }
 	void         setState(std::size_t sample, StatePointer state) { pool.setState(sample, *state); }
+
+protected:
+	std::vector<double> measureHere(std::size_t sample, const std::string& name) const override;
 
 private:
 	struct Beginning {

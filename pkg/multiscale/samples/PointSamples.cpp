@@ -7,7 +7,7 @@
 
 namespace talik {
 namespace {
-	const char archiveMagic[] = "talik samples 5";
+	const char archiveMagic[] = "talik samples 6";
 
 	/// Saturation tolerance over that of the error: the modulus grows sixfold on freezing, in part without effect on stress.
 	constexpr double saturationShare = 1. / 3;
@@ -32,8 +32,6 @@ void PointSamples::book(const Asked& asked)
 {
 	count.calls += asked.calls;
 	count.steps += asked.steps;
-	for (const auto& term : asked.errors)
-		accuracy->book(term);
 	int stoppedBy = -1;
 	for (const auto& [id, reason] : asked.blownUp) {
 		failures[id] = reason;
@@ -90,15 +88,7 @@ void PointSamples::keepOnly(const SkeletonPoints& batch)
 	count.points = std::uint64_t(batch.count);
 }
 
-std::string PointSamples::save() const
-{
-	ByteWriter writer;
-	writer.block(saveBeside(anyStore->layout()));
-	writer.block(anyStore->states());
-	return writer.bytes();
-}
-
-std::string PointSamples::saveBeside(const SampleStore::Layout& layout) const
+std::string PointSamples::save(const SampleStore::Layout& layout) const
 {
 	ByteWriter writer;
 	writer.block(archiveMagic);
@@ -117,18 +107,10 @@ std::string PointSamples::saveBeside(const SampleStore::Layout& layout) const
 	writer.number(changed.size());
 	for (const int id : changed)
 		writer.number(std::uint64_t(id));
-	if (accuracy) accuracy->save(writer);
 	return writer.bytes();
 }
 
-void PointSamples::restore(const std::string& bytes)
-{
-	ByteReader        reader(bytes);
-	const std::string beside = reader.block(), states = reader.block();
-	restoreBeside(beside, [&](std::uint64_t at, std::uint64_t length) { return states.substr(at, length); });
-}
-
-void PointSamples::restoreBeside(const std::string& bytes, const std::function<std::string(std::uint64_t, std::uint64_t)>& states)
+void PointSamples::restore(const std::string& bytes, const std::function<std::string(std::uint64_t, std::uint64_t)>& states)
 {
 	ByteReader reader(bytes);
 	if (reader.block() != archiveMagic)
@@ -157,7 +139,6 @@ void PointSamples::restoreBooks(ByteReader& reader)
 	changed.clear();
 	for (std::uint64_t left = reader.number(); left > 0; left--)
 		changed.insert(int(reader.number()));
-	if (accuracy) accuracy->restore(reader);
 }
 
 } // namespace talik

@@ -61,11 +61,9 @@ public:
 	/// Gives up the samples of points that are not among these.
 	void keepOnly(const SkeletonPoints&);
 
-	std::string save() const;
-	void        restore(const std::string& bytes);
-	/// The same without the states of the samples, which take layout.bytes() elsewhere; states(at, length) reads them.
-	std::string saveBeside(const SampleStore::Layout& layout) const;
-	void        restoreBeside(const std::string& bytes, const std::function<std::string(std::uint64_t at, std::uint64_t length)>& states);
+	/// All but the states of the samples, which take layout.bytes() elsewhere; states(at, length) reads them.
+	std::string save(const SampleStore::Layout& layout) const;
+	void        restore(const std::string& bytes, const std::function<std::string(std::uint64_t at, std::uint64_t length)>& states);
 
 protected:
 	std::optional<ShearStrength> slip() const;
@@ -75,9 +73,8 @@ protected:
 			int         id;
 			std::string reason;
 		};
-		std::uint64_t                     calls = 0, steps = 0;
-		std::vector<BlownUp>              blownUp;
-		std::vector<SampleAccuracy::Term> errors;
+		std::uint64_t        calls = 0, steps = 0;
+		std::vector<BlownUp> blownUp;
 	};
 	/// Takes it into the books. Throws StopAfterStep where a sample blew up and the run has to stop.
 	void book(const Asked&);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/base/SavedBytes.hpp>
-#include <pkg/common/ElastMat.hpp>
-#include <pkg/common/Sphere.hpp>
 #include <pkg/icebond/IceLaws.hpp>
 #include <pkg/multiscale/samples/RveSkeleton.hpp>
 #include <pkg/python/PythonFunction.hpp>
@@ -162,7 +160,8 @@ template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
 		std::vector<typename talik::PackedStore<Dim>::StatePointer> states;
 		for (const auto& sample : prototypes)
 			states.push_back(std::make_shared<talik::PackedState<Dim>>(sample->template packed<Dim>()));
-		stores.packed = std::make_shared<talik::PackedStore<Dim>>(states);
+		const auto ranks = sharedOut ? talik::jobCommunicator() : nullptr;
+		stores.packed    = ranks ? std::make_shared<talik::SlabStore<Dim>>(states, ranks) : std::make_shared<talik::PackedStore<Dim>>(states);
 		return;
 	}
 	if (!reason.empty() && !told && talik::isFirstRank())
@@ -183,45 +182,12 @@ template <int Dim> void RveSkeleton::makeStore(Stores<Dim>& stores)
 	stores.open = std::make_shared<talik::OpenStore<Dim>>(bytes);
 }
 
-namespace {
-	void mix(std::size_t& digest, std::size_t more) { digest = mixed(digest ^ more); }
-
-	/// Of what the grains of a scene are: their places come back from an archive with other last digits.
-	std::size_t digestOfGrains(const Scene& scene)
-	{
-		std::size_t digest = 0;
-		for (std::size_t id = 0; id < scene.bodies->size(); ++id) {
-			const auto& body = (*scene.bodies)[int(id)];
-			if (!body || !body->shape) continue;
-			const auto* sphere   = dynamic_cast<const Sphere*>(body->shape.get());
-			const auto* friction = dynamic_cast<const FrictMat*>(body->material.get());
-			mix(digest, std::hash<float>()(sphere ? float(sphere->radius) : 0));
-			mix(digest, std::hash<float>()(friction ? float(friction->frictionAngle) : 0));
-		}
-		return digest;
-	}
-} // namespace
-
-string RveSkeleton::sourcesDigest(int dimension) const
-{
-	std::size_t digest = mixed(std::size_t(dimension));
-	for (const auto& sample : samples)
-		mix(digest, sample->digest());
-	for (const auto& scene : scenes)
-		mix(digest, digestOfGrains(*scene));
-	return std::to_string(digest);
-}
-
 /// Friction of samples for which the script gives none, measured on them as they are now when the thaw front first asks. It stays while the samples
 /// are the same, in a scene that was saved, too.
 template <int Dim> void RveSkeleton::prepareSlip(Stores<Dim>& stores)
 {
-	const string digest = std::isnan(slipFriction) && samples.size() + scenes.size() > 0 ? sourcesDigest(Dim) : "";
-	if (measuredOn != digest) {
-		measuredFriction = measuredFrictionError = NaN;
-		measuredOn.clear();
-	}
-	if (digest.empty()) return;
+	if (!std::isnan(slipFriction)) measuredFriction = measuredFrictionError = NaN;
+	if (!std::isnan(slipFriction) || samples.size() + scenes.size() == 0) return;
 	vector<shared_ptr<RveSample>> packed;
 	vector<string>                open;
 	for (const auto& sample : stores.packed ? prototypes : samples)
@@ -229,9 +195,8 @@ template <int Dim> void RveSkeleton::prepareSlip(Stores<Dim>& stores)
 	if (stores.open)
 		for (const auto& scene : scenes)
 			open.push_back(talik::sceneToBytes(scene));
-	stores.model->measureSlip = [this, packed, open, digest] {
-		if (measuredOn != digest) measureFriction(packed, open, Dim);
-		measuredOn = digest;
+	stores.model->measureSlip = [this, packed, open] {
+		if (std::isnan(measuredFriction)) measureFriction(packed, open, Dim);
 		return talik::ShearStrength { measuredFriction, slipCohesion };
 	};
 }
@@ -274,16 +239,15 @@ template <int Dim> std::shared_ptr<talik::SampleSkeleton<Dim>> RveSkeleton::make
 	Stores<Dim> made;
 	makeStore(made);
 	byHand = false;
+	if (sourcesChanged()) measuredFriction = measuredFrictionError = NaN;
 	takenStates.clear();
 	for (const auto& sample : samples)
 		takenStates.push_back(sample->stateNow());
 	takenScenes.clear();
 	for (const auto& scene : scenes)
 		takenScenes.push_back(digestOf(scene));
-	std::shared_ptr<talik::SampleStoreOf<Dim>> store;
-	if (made.packed) store = made.packed;
-	else store = made.open;
-	if (talik::jobCommunicator() && sharedOut && made.packed) store = std::make_shared<talik::SlabStore<Dim>>(store, talik::jobCommunicator());
+	std::shared_ptr<talik::SampleStoreOf<Dim>> store = made.packed;
+	if (made.open) store = made.open;
 	made.model  = std::make_shared<talik::SampleSkeleton<Dim>>(store, numbers, scheduling());
 	deviceInUse = "cpu";
 	if (device != "cpu") useDevice(made);
@@ -324,21 +288,23 @@ talik::PointSamples& RveSkeleton::running() const
 string RveSkeleton::saved(talik::CheckpointParts* beside) const
 {
 	if (!model) return "";
-	if (!beside) return model->save();
-	const auto        layout = std::make_shared<talik::SampleStore::Layout>(model->samples().layout());
+	const auto&       store  = model->samples();
+	const auto        layout = std::make_shared<talik::SampleStore::Layout>(store.layout());
 	talik::ByteWriter writer;
-	writer.number(beside->add(
-	        layout->bytes(), [store = &model->samples(), layout](const talik::FilePlace& place) { return store->writeStates(*layout, place); }));
-	writer.block(model->saveBeside(*layout));
+	writer.block(model->save(*layout));
+	if (beside) writer.number(beside->add(layout->bytes(), [&store, layout](const talik::FilePlace& place) { return store.writeStates(*layout, place); }));
+	else writer.block(store.states());
 	return writer.bytes();
 }
 
 void RveSkeleton::restore(const string& bytes, const talik::CheckpointParts::Source* beside)
 {
-	if (!beside) return running().restore(bytes);
 	talik::ByteReader   reader(bytes);
-	const std::uint64_t first = beside->at + reader.number();
-	running().restoreBeside(reader.block(), [&](std::uint64_t at, std::uint64_t length) {
+	const string        books  = reader.block();
+	const std::uint64_t first  = beside ? beside->at + reader.number() : 0;
+	const string        states = beside ? "" : reader.block();
+	running().restore(books, [&](std::uint64_t at, std::uint64_t length) {
+		if (!beside) return states.substr(at, length);
 		string state(length, '\0');
 		beside->file->read(&state[0], length, first + at);
 		return state;

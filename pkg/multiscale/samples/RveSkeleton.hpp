@@ -60,9 +60,7 @@ private:
 		std::shared_ptr<talik::PackedStore<Dim>>    packed; ///< one of the two
 		std::shared_ptr<talik::OpenStore<Dim>>      open;
 	};
-	talik::PointSamples&                  running() const;
-	template <int Dim> Stores<Dim>&       stores() { return std::get<Stores<Dim>>(now); }
-	template <int Dim> const Stores<Dim>& stores() const { return std::get<Stores<Dim>>(now); }
+	talik::PointSamples& running() const;
 	/// Calls it with the samples of the run.
 	template <class Visitor> decltype(auto) withStores(Visitor&& visitor) const { return std::visit(std::forward<Visitor>(visitor), now); }
 	talik::SampleScheduling                 scheduling() const;
@@ -74,7 +72,6 @@ private:
 	template <int Dim> void                 useDevice(Stores<Dim>&);
 	template <int Dim> vector<int>          assigned(const Places<Dim>& places) const;
 	template <int Dim> void                 prepareSlip(Stores<Dim>&);
-	string                                  sourcesDigest(int dimension) const;
 	void                                    measureFriction(const vector<shared_ptr<RveSample>>& packed, const vector<string>& open, int dimension);
 
 	std::shared_ptr<talik::PointSamples>     model; ///< that of `now`
@@ -122,7 +119,6 @@ public:
 				"normal stress of its samples in steady simple shear without ice [-], a mean over eight runs of up to eight samples (two runs where they run open), "
 				"of shear 0.3 to 2 each, the first 0.15 of which does not count. nan before."))
 		((Real,measuredFrictionError,std::numeric_limits<double>::quiet_NaN(),Attr::readonly,"Standard error of measuredFriction, from the scatter of the runs [-]."))
-		((string,measuredOn,"",Attr::hidden,"The samples of measuredFriction."))
 		((string,device,"cpu",,"Where packed samples are computed: cpu (the processor), gpu (a graphics card of NVIDIA), auto (a card if there is "
 				"one). Results are identical. What a card cannot do with them stays on the processor, and so do all samples if the card is missing, too "
 				"small or lost, with a message. A card pays where some thousand samples are updated in a step, see the manual. twin runs the kernels of the card "

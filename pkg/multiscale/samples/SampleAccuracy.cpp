@@ -35,20 +35,22 @@ void SampleAccuracy::declareFields(PointFields& f, const std::string& prefix, co
 	f.declare(prefix + "inertialNumber", owner, "-", inertialNumbers);
 	f.declare(prefix + "predictionError", owner, "Pa", predictionErrors);
 	f.declare(prefix + "rateError", owner, "Pa", rateErrors);
-	f.declare(prefix + "stepOfLastCall", owner, "-", lastCalls);
+	f.declare(prefix + "stepsSinceCall", owner, "-", steps);
+	f.declare(prefix + "errorSquares", owner, "Pa^2", errors);
+	f.declare(prefix + "stressSquares", owner, "Pa^2", stresses);
 	f.declare(prefix + "callsOfSample", owner, "-", calls);
 }
 
 void SampleAccuracy::begin(int place)
 {
-	inertialNumbers[place]  = firstInertialNumber;
-	predictionErrors[place] = rateErrors[place] = calls[place] = 0;
-	lastCalls[place]                                           = double(step);
+	inertialNumbers[place] = firstInertialNumber;
+	for (double* const of : { predictionErrors, rateErrors, calls, steps, errors, stresses })
+		of[place] = 0;
 }
 
 bool SampleAccuracy::comparesRates(int place) const { return std::fmod(calls[place], comparisonInterval) == 0; }
 
-SampleAccuracy::Term SampleAccuracy::learn(const Answer& a, double& strainTolerance)
+void SampleAccuracy::learn(const Answer& a, double& strainTolerance)
 {
 	const double scale = a.stress + stressFloor, part = tolerance * std::sqrt(0.5) * scale;
 	if (comparesRates(a.place)) {
@@ -57,28 +59,18 @@ SampleAccuracy::Term SampleAccuracy::learn(const Answer& a, double& strainTolera
 		inertial            = steered(inertial, a.rateError > 0 ? part / a.rateError : 2., slowestPerTolerance * tolerance, largestInertialNumber);
 	}
 	predictionErrors[a.place] = a.predictionError;
-	const Term term           = pending(a.place, a.volume, a.stress);
-	lastCalls[a.place]        = double(step);
+	const ErrorSquares sums   = squares(a.place, a.stress);
+	errors[a.place]           = sums.error;
+	stresses[a.place]         = sums.stress;
+	steps[a.place]            = 0;
 	calls[a.place] += 1;
 	strainTolerance = steeredStrainTolerance(strainTolerance, a.strain, part, a.predictionError, smallestStrainTolerance, largestStrainTolerance);
-	return term;
 }
 
-SampleAccuracy::Term SampleAccuracy::pending(int place, double volume, double stress) const
+ErrorSquares SampleAccuracy::squares(int place, double stress) const
 {
-	return { volume * pendingSteps(place), square(predictionErrors[place]) + square(rateErrors[place]), square(stress) };
-}
-
-void SampleAccuracy::save(ByteWriter& writer) const
-{
-	writer.number(step);
-	writer.block(&sum, sizeof sum);
-}
-
-void SampleAccuracy::restore(ByteReader& reader)
-{
-	step = reader.number();
-	reader.block(&sum, sizeof sum);
+	return { errors[place] + steps[place] * (square(predictionErrors[place]) + square(rateErrors[place])),
+		 stresses[place] + steps[place] * square(stress) };
 }
 
 } // namespace talik

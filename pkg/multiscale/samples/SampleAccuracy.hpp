@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <cstdint>
-#include <pkg/base/SavedBytes.hpp>
 #include <pkg/mpm/points/PointFields.hpp>
 
 namespace talik {
@@ -34,7 +33,6 @@ public:
 	/// One answer of a sample.
 	struct Answer {
 		int    place           = 0;
-		double volume          = 0; ///< of the point [m^2]
 		double stress          = 0; ///< Frobenius norm [Pa]
 		double predictionError = 0; ///< [Pa]
 		double rateError       = 0; ///< [Pa], if rates were compared
@@ -45,32 +43,20 @@ public:
 	void declareFields(PointFields&, const std::string& prefix, const std::string& owner);
 	void begin(int place);
 
-	void   countStep() { ++step; }
+	void   passStep(int place) const { steps[place] += 1; }
 	bool   comparesRates(int place) const;
 	double inertialNumber(int place) const { return inertialNumbers[place]; }
-	/// What an answer adds to the sums.
-	struct Term {
-		double weight, error, stress;
-	};
-	/// Takes in an answer and steers the point: changes its strain tolerance [-], and says what is to be booked.
-	Term learn(const Answer& answer, double& strainTolerance);
-	void book(const Term& term) { sum.add(term.weight, term.error, term.stress); }
-
-	/// Since the last call of a point, for sums up to now.
-	Term         pending(int place, double volume, double stress) const;
-	ErrorSquares squares() const { return sum; }
-
-	void save(ByteWriter&) const;
-	void restore(ByteReader&);
+	/// Takes in an answer and steers the point: changes its strain tolerance [-].
+	void learn(const Answer& answer, double& strainTolerance);
+	/// Of a point since the start, per volume; stress: norm now [Pa].
+	ErrorSquares squares(int place, double stress) const;
 
 private:
-	double pendingSteps(int place) const { return double(step) - lastCalls[place]; }
-
-	double        tolerance        = 0;
-	double*       inertialNumbers  = nullptr; ///< by place, as the others
-	double *      predictionErrors = nullptr, *rateErrors = nullptr, *lastCalls = nullptr, *calls = nullptr;
-	std::uint64_t step = 0;
-	ErrorSquares  sum;
+	double  tolerance        = 0;
+	double* inertialNumbers  = nullptr; ///< by place, as the others
+	double *predictionErrors = nullptr, *rateErrors = nullptr, *calls = nullptr;
+	/// Sums over steps of the squares of error and stress [Pa^2], and the steps since the last answer, whose error that answer will tell.
+	double *errors = nullptr, *stresses = nullptr, *steps = nullptr;
 };
 
 } // namespace talik

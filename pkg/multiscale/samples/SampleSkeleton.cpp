@@ -91,12 +91,12 @@ template <int Dim> void SampleSkeleton<Dim>::updateStress(const SkeletonBatch<Di
 	const StressPrediction<Dim> predictor { a };
 	const auto                  when = scheduler();
 	if (slabs) ofSlabs->beginStep();
-	if (accuracy) accuracy->countStep();
 	if (a.time) when.passTime(a, batch);
 	flagScratch.assign(batch.count, 0);
 	constexpr int piece = 128, fewestForThreads = 500;
 	const auto    follow = [&](int k) {
                 const int place = batch.place[k];
+                if (accuracy) accuracy->passStep(place);
                 if (!isolated.empty() && isolated.count(batch.id[place])) return;
                 Matrix step;
                 for (int c = 0; c < Dim * Dim; ++c)
@@ -157,7 +157,7 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ask(
 		if (schedule.prediction && !results[r].blewUp) {
 			const double error = (after - predictor.stress(place, h, predictor.change(place, h))).norm();
 			predictor.learn(place, h, after, results[r].tangent);
-			if (accuracy) came.errors.push_back(steer(batch, place, error, results[r], a));
+			if (accuracy) steer(place, error, results[r], a);
 			else scheduler().steer(a, place, h, after, error, predictor.failing(place));
 		}
 		a.setLastStress(place, after);
@@ -171,24 +171,20 @@ template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ask(
 	return came;
 }
 
-template <int Dim>
-SampleAccuracy::Term SampleSkeleton<Dim>::steer(
-        const SkeletonBatch<Dim>& batch, int place, double predictionError, const PackedUpdateResult<Dim>& result, const Record& a)
+template <int Dim> void SampleSkeleton<Dim>::steer(int place, double predictionError, const PackedUpdateResult<Dim>& result, const Record& a)
 {
 	SampleAccuracy::Answer answer;
 	answer.place           = place;
-	answer.volume          = batch.volume[place];
 	answer.stress          = result.stress.norm();
 	answer.predictionError = predictionError;
 	answer.rateError       = result.rateError;
 	answer.strain          = a.accumulated(place).cwiseAbs().maxCoeff();
-	return accuracy->learn(answer, a.tolerance[place]);
+	accuracy->learn(answer, a.tolerance[place]);
 }
 
 // ---- where ranks have slabs of the ground ---------------------------------------------------------------------------------
 
-/// Answers stay where their points are. What has to be known by all ranks is how many there were, what they add to the estimated error, and
-/// which samples blew up.
+/// Answers stay where their points are. What has to be known by all ranks is how many there were, and which samples blew up.
 template <int Dim> void SampleSkeleton<Dim>::askInSlabs(const SkeletonBatch<Dim>& batch, const std::vector<int>& due, const Record& a)
 {
 	Asked       own;
@@ -204,26 +200,20 @@ template <int Dim> void SampleSkeleton<Dim>::askInSlabs(const SkeletonBatch<Dim>
 template <int Dim> typename SampleSkeleton<Dim>::Asked SampleSkeleton<Dim>::ofAllRanks(const Asked& own, const std::string& failure)
 {
 	struct Told {
-		std::uint64_t calls, steps, errors, hasWords;
+		std::uint64_t calls, steps, hasWords;
 		double        cost;
 	};
-	const auto byRank = slabs->byRank(Told { own.calls, own.steps, own.errors.size(), !failure.empty() || !own.blownUp.empty(), ofSlabs->takeCost() });
-	Asked      all;
-	bool       anyWords = false;
-	std::vector<std::size_t> lengths;
-	std::vector<double>      costs;
-	std::size_t              errors = 0;
+	const auto          byRank = slabs->byRank(Told { own.calls, own.steps, !failure.empty() || !own.blownUp.empty(), ofSlabs->takeCost() });
+	Asked               all;
+	bool                anyWords = false;
+	std::vector<double> costs;
 	for (const Told& told : byRank) {
 		all.calls += told.calls;
 		all.steps += told.steps;
-		errors += told.errors;
 		anyWords = anyWords || told.hasWords;
-		lengths.push_back(told.errors * sizeof(SampleAccuracy::Term));
 		costs.push_back(told.cost);
 	}
 	ofSlabs->bookCosts(costs);
-	all.errors.resize(errors);
-	if (errors > 0) slabs->ranks().allGather(own.errors.data(), lengths, all.errors.data());
 	if (!anyWords) return all;
 	ByteWriter words;
 	words.block(failure);
@@ -282,12 +272,10 @@ template <int Dim> void SampleSkeleton<Dim>::beginWithOwners()
 
 template <int Dim> ErrorSquares SampleSkeleton<Dim>::errorSquares(const SkeletonPoints& batch) const
 {
-	if (!accuracy) return {};
-	const Record& a   = record;
-	ErrorSquares  sum = accuracy->squares();
-	for (int k = 0; k < batch.count; ++k) {
-		const auto term = accuracy->pending(batch.place[k], batch.volume[batch.place[k]], a.lastStress(batch.place[k]).norm());
-		sum.add(term.weight, term.error, term.stress);
+	ErrorSquares sum;
+	for (int k = 0; accuracy && k < batch.count; ++k) {
+		const auto its = accuracy->squares(batch.place[k], record.lastStress(batch.place[k]).norm());
+		sum.add(batch.volume[batch.place[k]], its.error, its.stress);
 	}
 	return sum;
 }

@@ -38,7 +38,7 @@ private:
 	std::vector<int>                owners(std::size_t samples) const;
 	void                            beginWithOwners() override;
 	std::vector<PackedRequest<Dim>> requests(const SkeletonBatch<Dim>&, const std::vector<int>& due, const Record&) const;
-	SampleAccuracy::Term            steer(const SkeletonBatch<Dim>&, int place, double predictionError, const PackedUpdateResult<Dim>&, const Record&);
+	void                            steer(int place, double predictionError, const PackedUpdateResult<Dim>&, const Record&);
 	void                            flagChanged(const SkeletonBatch<Dim>&);
 
 	std::shared_ptr<SampleStoreOf<Dim>> store;

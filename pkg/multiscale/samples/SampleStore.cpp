@@ -53,10 +53,10 @@ SampleStore::Survey SampleStore::survey(const std::string&) const
 std::string SampleStore::answer(const std::string& question, std::size_t sample) const
 {
 	ByteWriter writer;
-	if (question == "state") here().saveState(writer, sample);
+	if (question == "state") saveState(writer, sample);
 	if (question == "length") writer.number(answer("state", sample).size());
 	if (question.compare(0, measureOf.size(), measureOf) != 0) return writer.bytes();
-	const auto values = here().measure(sample, question.substr(measureOf.size()));
+	const auto values = measureHere(sample, question.substr(measureOf.size()));
 	return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
 }
 

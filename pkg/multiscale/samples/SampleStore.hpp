@@ -37,7 +37,11 @@ public:
 	virtual bool comparesRates() const = 0;
 
 	/// A named measure; several numbers for tensors. Throws std::invalid_argument on an unknown name.
-	virtual std::vector<double> measure(std::size_t sample, const std::string& name) const = 0;
+	std::vector<double> measure(std::size_t sample, const std::string& name) const
+	{
+		bring(sample);
+		return measureHere(sample, name);
+	}
 	/// That of all samples; those that share a state are measured once.
 	std::vector<std::vector<double>> measureAll(const std::string& name) const;
 	/// The same for samples that share one state.
@@ -64,7 +68,7 @@ public:
 	std::string states() const;
 	/// bytes(at, length): of the states; each rank reads what it owns.
 	void restore(const Layout&, const std::function<std::string(std::uint64_t at, std::uint64_t length)>& bytes);
-	/// The state of one sample, and back as that of several which share it.
+	/// The state of one sample as it is in this process, and back as that of several which share it.
 	virtual void saveState(ByteWriter&, std::size_t sample) const                   = 0;
 	virtual void restoreState(ByteReader&, const std::vector<std::size_t>& samples) = 0;
 	/// So many samples, whose states are restored next.
@@ -95,8 +99,8 @@ protected:
 	virtual Survey survey(const std::string& question) const;
 	/// What a sample that is in this process says to such a question.
 	std::string answer(const std::string& question, std::size_t sample) const;
-	/// The samples as they are in this process.
-	virtual const SampleStore& here() const { return *this; }
+	/// Of a sample as it is in this process.
+	virtual std::vector<double> measureHere(std::size_t sample, const std::string& name) const = 0;
 
 private:
 	std::string said(const Survey&, const std::string& question, std::size_t state) const;

@@ -9,23 +9,11 @@ namespace talik {
 
 namespace {
 	const std::string aSample = "sample ";
-
-	/// All that an update of a sample follows from, but its state.
-	template <int Dim> void addTo(Digest& digest, const PackedRequest<Dim>& request)
-	{
-		digest.add(request.displacementGradient.data(), sizeof(double) * Dim * Dim);
-		digest.add(&request.iceSaturation, sizeof(double));
-		digest.add(&request.inertialNumber, sizeof(double));
-		digest.add(std::uint64_t(request.compareRates));
-		digest.add(&request.strength, sizeof(request.strength));
-		digest.add(&request.iceStiffness, sizeof(double));
-		digest.add(&request.creep, sizeof(request.creep));
-	}
 } // namespace
 
 template <int Dim>
-SlabStore<Dim>::SlabStore(std::shared_ptr<SampleStoreOf<Dim>> here, std::shared_ptr<Communicator> others)
-        : held(std::move(here))
+SlabStore<Dim>::SlabStore(std::vector<typename PackedStore<Dim>::StatePointer> prototypes, std::shared_ptr<Communicator> others)
+        : Packed(std::move(prototypes))
         , communicator(std::move(others))
 {}
 
@@ -36,15 +24,15 @@ template <int Dim> SlabStore<Dim>::~SlabStore()
 
 template <int Dim> const SampleStart<Dim>& SlabStore<Dim>::add(int prototype, double iceSaturation, const PackedUpdateOptions& options)
 {
-	const auto& start = held->add(prototype, iceSaturation, options);
-	beginAnew(held->size() - 1);
+	const auto& start = Packed::add(prototype, iceSaturation, options);
+	beginAnew(this->size() - 1);
 	return start;
 }
 
 /// Of the same owner.
 template <int Dim> void SlabStore<Dim>::copy(std::size_t sample)
 {
-	held->copy(sample);
+	Packed::copy(sample);
 	known.push_back(known[sample]);
 	known.back().cost = 0;
 	if (sample < owner.size()) owner.push_back(owner[sample]);
@@ -52,16 +40,13 @@ template <int Dim> void SlabStore<Dim>::copy(std::size_t sample)
 
 template <int Dim> void SlabStore<Dim>::release(std::size_t sample)
 {
-	held->release(sample);
+	held().Packed::release(sample);
 	beginAnew(sample);
 }
 
-template <int Dim> void SlabStore<Dim>::clear() { resize(0); }
-
 template <int Dim> void SlabStore<Dim>::resize(std::size_t samples)
 {
-	if (samples > 0) held->resize(samples);
-	else held->clear();
+	Packed::resize(samples);
 	seen.clear();
 	brought.clear();
 	beginnings.clear();
@@ -81,8 +66,8 @@ template <int Dim> std::uint64_t SlabStore<Dim>::nextOrigin()
 /// The sample begins with a state that the store keeps for others, too.
 template <int Dim> void SlabStore<Dim>::beginAnew(std::size_t sample)
 {
-	known.resize(held->size());
-	const auto found = beginnings.emplace(held->identity(sample), 0);
+	known.resize(this->size());
+	const auto found = beginnings.emplace(this->identity(sample), 0);
 	if (found.second) found.first->second = nextOrigin();
 	known[sample]        = Known {};
 	known[sample].origin = found.first->second;
@@ -106,7 +91,7 @@ template <int Dim> void SlabStore<Dim>::restoreState(ByteReader& reader, const s
 		known[sample]         = Known { everywhere, origin, 0 };
 		if (everywhere || isMine(sample)) mine.push_back(sample);
 	}
-	if (!mine.empty()) held->restoreState(reader, mine);
+	if (!mine.empty()) held().Packed::restoreState(reader, mine);
 }
 
 template <int Dim> bool SlabStore<Dim>::wants(const std::vector<std::size_t>& samples) const
@@ -152,7 +137,7 @@ template <int Dim> void SlabStore<Dim>::send(const std::vector<int>& next)
 	for (const auto& byOrigin : states)
 		for (const auto& leaving : byOrigin)
 			for (const auto sample : leaving.second)
-				held->release(sample);
+				held().Packed::release(sample);
 	for (const auto& bytes : communicator->ranks().exchange(going)) {
 		ByteReader parcel(bytes);
 		while (!parcel.atEnd())
@@ -173,7 +158,7 @@ template <int Dim> void SlabStore<Dim>::receive(ByteReader& parcel)
 	}
 	const std::string state = parcel.block();
 	ByteReader        from(state);
-	held->restoreState(from, samples);
+	held().Packed::restoreState(from, samples);
 }
 
 // ---- update ---------------------------------------------------------------------------------------------------------------
@@ -182,7 +167,7 @@ template <int Dim> void SlabStore<Dim>::beginStep()
 {
 	++step;
 	for (const auto sample : brought)
-		held->release(sample);
+		held().Packed::release(sample);
 	brought.clear();
 	seen.clear();
 }
@@ -192,22 +177,22 @@ std::vector<PackedUpdateResult<Dim>> SlabStore<Dim>::update(const std::vector<Re
 {
 	std::vector<const void*> before;
 	for (const auto& request : requests)
-		before.push_back(held->identity(request.sample));
-	auto                  results = held->update(requests, options, threads);
+		before.push_back(this->identity(request.sample));
+	auto                  results = Packed::update(requests, options, threads);
 	std::set<const void*> counted;
 	for (std::size_t k = 0; k < requests.size(); ++k) {
 		Known&      sample = known[requests[k].sample];
-		const auto* now    = held->identity(requests[k].sample);
+		const auto* now    = this->identity(requests[k].sample);
 		const bool  stayed = now == before[k];
 		if (stayed || counted.insert(now).second) { // one that shares the work of another costs nothing
-			const double its = double(results[k].steps) * held->costOfStep(requests[k].sample);
+			const double its = double(results[k].steps) * this->costOfStep(requests[k].sample);
 			sample.cost += its;
 			cost += its;
 		}
 		if (stayed) continue;
 		Digest origin;
 		origin.add(sample.origin);
-		addTo(origin, requests[k]);
+		requests[k].forBytes([&](const void* data, std::size_t bytes) { origin.add(data, bytes); });
 		origin.add(step);
 		sample.origin     = origin.value();
 		sample.everywhere = false;
@@ -229,25 +214,13 @@ template <int Dim> const SampleStore::Sharing* SlabStore<Dim>::sharing() const
 {
 	if (number < 0) return nullptr;
 	shared.samples = 0;
-	for (std::size_t s = 0; s < size(); ++s)
+	for (std::size_t s = 0; s < this->size(); ++s)
 		shared.samples += isMine(s);
 	shared.balance = largestCost > 0 ? meanCost / largestCost : 1;
 	return &shared;
 }
 
 // ---- looking at samples that other ranks own ------------------------------------------------------------------------------
-
-template <int Dim> std::vector<double> SlabStore<Dim>::measure(std::size_t sample, const std::string& name) const
-{
-	bring(sample);
-	return held->measure(sample, name);
-}
-
-template <int Dim> void SlabStore<Dim>::saveState(ByteWriter& writer, std::size_t sample) const
-{
-	bring(sample);
-	held->saveState(writer, sample);
-}
 
 template <int Dim> void SlabStore<Dim>::bring(std::size_t sample) const
 {
@@ -265,7 +238,7 @@ template <int Dim> void SlabStore<Dim>::show(std::size_t sample, const std::stri
 	seen.insert(sample);
 	if (isMine(sample) || state.empty()) return; // it is here
 	ByteReader reader(state);
-	held->restoreState(reader, { sample });
+	held().Packed::restoreState(reader, { sample });
 	brought.insert(sample);
 }
 
@@ -276,7 +249,7 @@ template <int Dim> void SlabStore<Dim>::beforeReplacing(std::size_t sample)
 
 template <int Dim> std::uint64_t SlabStore<Dim>::writeStates(const typename SampleStore::Layout& layout, const FilePlace& place) const
 {
-	if (number < 0) return held->writeStates(layout, place); // no rank has a sample of its own
+	if (number < 0) return this->SampleStore::writeStates(layout, place); // no rank has a sample of its own
 	ByteWriter order;
 	order.block(place.text());
 	layout.save(order);
@@ -289,7 +262,7 @@ template <int Dim> std::string SlabStore<Dim>::carryOut(const std::string& order
 		ByteReader reader(order);
 		const auto place  = FilePlace::from(reader.block());
 		const auto writes = [&](std::size_t sample) { return isMine(sample) || (communicator->rank() == 0 && ownerOf(sample) == nobody); };
-		held->writeStates(SampleStore::Layout::from(reader), place, sum, writes);
+		this->SampleStore::writeStates(SampleStore::Layout::from(reader), place, sum, writes);
 	});
 }
 

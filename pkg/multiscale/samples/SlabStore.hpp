@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <map>
-#include <pkg/multiscale/samples/SampleStore.hpp>
+#include <pkg/multiscale/samples/PackedStore.hpp>
 #include <pkg/ranks/Communicator.hpp>
 #include <set>
 
@@ -10,36 +10,26 @@ namespace talik {
 /// Samples behind the points of a ground in slabs: the rank that has a point owns its sample, and alone asks it. Its answers go nowhere, but the
 /// other ranks do not know how far its samples have come: they ask the owner. A sample that no rank has asked yet is on all ranks. Where ranks
 /// have no slabs nobody owns a sample, and each rank keeps all.
-template <int Dim> class SlabStore final : public SampleStoreOf<Dim>, private Communicator::Answerer {
+template <int Dim> class SlabStore final : public PackedStore<Dim>, private Communicator::Answerer {
 public:
 	using Request = PackedRequest<Dim>;
 	using Result  = PackedUpdateResult<Dim>;
 
-	/// held: the samples as this rank has them.
-	SlabStore(std::shared_ptr<SampleStoreOf<Dim>> held, std::shared_ptr<Communicator> communicator);
+	SlabStore(std::vector<typename PackedStore<Dim>::StatePointer> prototypes, std::shared_ptr<Communicator> communicator);
 	~SlabStore() override;
 
-	int         prototypeCount() const override { return held->prototypeCount(); }
-	double      prototypeIce(int prototype) const override { return held->prototypeIce(prototype); }
-	double      oedometricModulus(int prototype, double iceSaturation) const override { return held->oedometricModulus(prototype, iceSaturation); }
-	std::size_t size() const override { return held->size(); }
-	bool        comparesRates() const override { return held->comparesRates(); }
-	std::size_t bytes() const override { return held->bytes(); } ///< on this rank
-	double      costOfStep(std::size_t sample) const override { return held->costOfStep(sample); }
-	const void* identity(std::size_t sample) const override { return held->identity(sample); }
+	std::size_t distinctStates() const override { return this->SampleStore::distinctStates(); }
 
 	const SampleStart<Dim>& add(int prototype, double iceSaturation, const PackedUpdateOptions&) override;
 	void                    copy(std::size_t sample) override;
 	void                    release(std::size_t sample) override;
-	void                    clear() override;
+	void                    clear() override { resize(0); }
 	void                    resize(std::size_t samples) override;
 	/// Of samples of this rank. Not collective.
 	std::vector<Result> update(const std::vector<Request>&, const PackedUpdateOptions&, int threads) override;
 
-	std::vector<double> measure(std::size_t sample, const std::string& name) const override;
-	void                saveState(ByteWriter&, std::size_t sample) const override;
-	void                restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
-	std::uint64_t       writeStates(const typename SampleStore::Layout&, const FilePlace&) const override;
+	void          restoreState(ByteReader&, const std::vector<std::size_t>& samples) override;
+	std::uint64_t writeStates(const typename SampleStore::Layout&, const FilePlace&) const override;
 	/// The owner asks, too: ranks that all look go on together, and none replaces a sample or ends its ground before the others have seen it.
 	void bring(std::size_t sample) const override;
 	void beforeReplacing(std::size_t sample) override;
@@ -74,11 +64,13 @@ private:
 		double        cost       = 0;
 	};
 
-	const SampleStore& here() const override { return *held; }
-	int                ownerOf(std::size_t sample) const { return sample < owner.size() ? owner[sample] : nobody; }
-	bool               isMine(std::size_t sample) const { return ownerOf(sample) == communicator->rank(); }
-	bool               wants(const std::vector<std::size_t>& samples) const override;
-	void               beginAnew(std::size_t sample);
+	using Packed = PackedStore<Dim>;
+	/// What is brought or given back here leaves what the owner knows of a sample as it is.
+	Packed& held() const { return const_cast<SlabStore&>(*this); }
+	int     ownerOf(std::size_t sample) const { return sample < owner.size() ? owner[sample] : nobody; }
+	bool    isMine(std::size_t sample) const { return ownerOf(sample) == communicator->rank(); }
+	bool    wants(const std::vector<std::size_t>& samples) const override;
+	void    beginAnew(std::size_t sample);
 	/// All ask their owners first which samples would share a state on one rank.
 	typename SampleStore::Survey survey(const std::string& question) const override;
 	std::string                  answerTo(const std::string& question) const override;
@@ -88,7 +80,6 @@ private:
 	void                         send(const std::vector<int>& next);
 	void                         receive(ByteReader& parcel);
 
-	std::shared_ptr<SampleStoreOf<Dim>>   held;
 	std::shared_ptr<Communicator>         communicator;
 	int                                   number = -1; ///< of this store in the communicator, once there are owners
 	std::vector<int>                      owner;

@@ -8,7 +8,6 @@
 #include <pkg/rve/device/SampleImage.hpp>
 #include <pkg/rve/device/SamplesOnDevice.hpp>
 #include <pkg/rve/packed/CellSlip.hpp>
-#include <pkg/rve/SampleUpdate.hpp>
 
 namespace talik {
 
@@ -32,8 +31,6 @@ namespace {
 		Clock::time_point last = Clock::now();
 	};
 
-	template <int Dim> std::unique_ptr<PackedWorkspace<Dim>> newWorkspace() { return std::make_unique<PackedWorkspace<Dim>>(portablePathForced()); }
-
 	template <int Dim> typename PackedTypes<Dim>::Matrix matrixOf(const double* numbers)
 	{
 		typename PackedTypes<Dim>::Matrix m;
@@ -41,20 +38,11 @@ namespace {
 		return m;
 	}
 
-	template <int Dim> void load(PackedWorkspace<Dim>& workspace, const CompactSample<Dim>& sample, PackedState<Dim>& state)
+	/// Its bonds are as strong as their material says.
+	template <int Dim> PackedSample<Dim>& load(SampleWorker<Dim>& worker, const CompactSample<Dim>& compact)
 	{
-		PackedLists<Dim> lists;
-		const bool       listed = sample.expand(state, lists);
-		workspace.setStrengthFactors({});
-		workspace.load(state, listed ? &lists : nullptr);
-	}
-
-	template <int Dim> std::shared_ptr<const CompactSample<Dim>> compactOf(const PackedWorkspace<Dim>& workspace)
-	{
-		PackedState<Dim> state;
-		PackedLists<Dim> lists;
-		workspace.store(state, &lists);
-		return std::make_shared<const CompactSample<Dim>>(state, &lists);
+		worker.ready().setStrengthFactors({});
+		return worker.load(compact);
 	}
 } // namespace
 
@@ -87,38 +75,36 @@ template <int Dim> bool SampleOnDevice<Dim>::fetch(std::vector<unsigned char>& b
 	}
 }
 
-template <int Dim> void SampleOnDevice<Dim>::takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
+template <int Dim> void SampleOnDevice<Dim>::takeInto(PackedSample<Dim>& sample, const std::vector<unsigned char>& bytes)
 {
-	SampleImage<Dim>(workspace).take(layout, bytes, common, now, grains, use, carries);
+	SampleImage<Dim>(sample).take(layout, bytes, common, now, grains, use, carries);
 }
 
-template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::settled(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
+template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::settled(SampleWorker<Dim>& worker, const std::vector<unsigned char>& bytes)
 {
-	takeInto(workspace, bytes);
-	base = compactOf<Dim>(workspace);
+	takeInto(worker.ready(), bytes);
+	base = worker.compact();
 	since.clear();
 	return base;
 }
 
-template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::computedAgain(PackedWorkspace<Dim>& workspace)
+template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::computedAgain(SampleWorker<Dim>& worker)
 {
-	PackedState<Dim> state;
-	load<Dim>(workspace, *base, state);
+	load<Dim>(worker, *base);
 	for (const Update& update : since)
-		updateWorkspace<Dim>(workspace, state, update.displacementGradient, update.iceSaturation, update.options);
-	if (!since.empty()) base = compactOf<Dim>(workspace);
+		worker.sample->update(worker.state, update.displacementGradient, update.iceSaturation, update.options);
+	if (!since.empty()) base = worker.compact();
 	since.clear();
 	now     = base->withoutArrays();
 	spoiled = true; // its place holds what nobody knows
 	return base;
 }
 
-template <int Dim>
-typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::broughtHome(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes)
+template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::broughtHome(SampleWorker<Dim>& worker, const std::vector<unsigned char>& bytes)
 {
 	const std::lock_guard<std::mutex> alone(settling);
 	if (since.empty()) return base;
-	return bytes.empty() ? computedAgain(workspace) : settled(workspace, bytes);
+	return bytes.empty() ? computedAgain(worker) : settled(worker, bytes);
 }
 
 template <int Dim> double SampleOnDevice<Dim>::longestTimeStep()
@@ -138,23 +124,13 @@ template <int Dim> typename SampleOnDevice<Dim>::Compact SampleOnDevice<Dim>::ho
 		const std::lock_guard<std::mutex> alone(settling);
 		if (since.empty()) return base;
 	}
-	const auto                 workspace = newWorkspace<Dim>();
+	SampleWorker<Dim>          worker;
 	std::vector<unsigned char> bytes;
 	fetch(bytes);
-	return broughtHome(*workspace, bytes);
+	return broughtHome(worker, bytes);
 }
 
 // ---------------------------------------------------------------------------------------------- begin
-
-template <int Dim> struct SamplesOnDevice<Dim>::Worker {
-	std::unique_ptr<PackedWorkspace<Dim>> workspace;
-	PackedState<Dim>                      state;
-	PackedWorkspace<Dim>&                 ready()
-	{
-		if (!workspace || workspace->portableOnly() != portablePathForced()) workspace = newWorkspace<Dim>();
-		return *workspace;
-	}
-};
 
 template <int Dim>
 SamplesOnDevice<Dim>::SamplesOnDevice(std::shared_ptr<SampleDevice> device, std::function<void(const std::string&)> say)
@@ -193,13 +169,6 @@ void SamplesOnDevice<Dim>::inParallel(std::vector<Task>& tasks, Part part, int t
 	});
 }
 
-template <int Dim> PackedUpdateOptions SamplesOnDevice<Dim>::optionsOf(const Task& task) const
-{
-	PackedUpdateOptions options = given;
-	if (task.request->inertialNumber > 0) options.maxInertialNumber = task.request->inertialNumber;
-	return options;
-}
-
 /// What is left to the processor and said.
 template <int Dim> std::string SamplesOnDevice<Dim>::reasonAgainst(const PackedRequest<Dim>& request, const PackedUpdateOptions& options) const
 {
@@ -211,9 +180,8 @@ template <int Dim> std::string SamplesOnDevice<Dim>::reasonAgainst(const PackedR
 
 template <int Dim> bool SamplesOnDevice<Dim>::makeAway(Task& task, Worker& worker)
 {
-	PackedWorkspace<Dim>& workspace = worker.ready();
-	load<Dim>(workspace, *task.home, worker.state);
-	SampleImage<Dim> image(workspace);
+	PackedSample<Dim>& sample = load<Dim>(worker, *task.home);
+	SampleImage<Dim>   image(sample);
 	if (auto reason = image.reasonAgainst(); !reason.empty()) {
 		task.rare().refusal = std::move(reason);
 		return false;
@@ -226,7 +194,7 @@ template <int Dim> bool SamplesOnDevice<Dim>::makeAway(Task& task, Worker& worke
 	away.layout     = image.layout();
 	away.common     = image.call();
 	away.grains     = worker.state.grains;
-	away.meanRadius = workspace.meanRadius();
+	away.meanRadius = sample.meanRadius();
 	task.isNew      = true;
 	if (!planCall(task)) return false;
 	image.write(away.layout, task.rare().bytes);
@@ -314,7 +282,7 @@ template <int Dim> bool SamplesOnDevice<Dim>::planMotion(Task& task)
 	auto&                             away     = *task.away;
 	const auto&                       h        = task.request->displacementGradient;
 	const double                      rest     = away.now.dt;
-	PackedUpdateOptions               ofMotion = optionsOf(task);
+	PackedUpdateOptions               ofMotion = task.request->options(given);
 	const double                      dt       = ofMotion.timeStepFollowsIce ? timeStepOfMotion(rest, away.longestTimeStep()) : rest;
 	typename PackedTypes<Dim>::Matrix rate;
 	long                              moving;
@@ -469,7 +437,7 @@ template <int Dim> void SamplesOnDevice<Dim>::leaveToProcessor(Task& task, Worke
 	task.stage = Task::processor;
 	if (!task.away) return;
 	SampleOnDevice<Dim>& away = *task.away;
-	task.home                 = away.broughtHome(worker.ready(), task.hasBytes() ? task.aside->bytes : none);
+	task.home                 = away.broughtHome(worker, task.hasBytes() ? task.aside->bytes : none);
 	task.away.reset();
 }
 
@@ -500,7 +468,7 @@ template <int Dim> void SamplesOnDevice<Dim>::settle(std::vector<Task>& tasks, i
 		if (task.settles) fetch(task);
 	inParallel(
 	        tasks, all(tasks), threads, [](const Task& task) { return task.settles && task.hasBytes(); },
-	        [](Task& task, Worker& worker) { task.away->settled(worker.ready(), task.aside->bytes); });
+	        [](Task& task, Worker& worker) { task.away->settled(worker, task.aside->bytes); });
 }
 
 template <int Dim> void SamplesOnDevice<Dim>::awaitAll(std::vector<Task>& tasks, Part part, typename Task::Stage stage)
@@ -649,7 +617,7 @@ template <int Dim> void SamplesOnDevice<Dim>::take(Task& task)
 	PackedUpdateResult<Dim>&     result = *task.result;
 	absorb(task);
 	if (long(answer.steps) < task.call->moving + task.call->resting) return;
-	if (flipIsDue<Dim>(now.hSize, given) || !isCompact<Dim>(now.hSize)) return;
+	if (flipIsDue<Dim>(now.hSize, given.flipSkew) || !isCompact<Dim>(now.hSize)) return;
 	const typename PackedTypes<Dim>::Matrix transposed = now.stress.transpose();
 	result.stress                                      = 0.5 * (now.stress + transposed);
 	result.steps                                       = long(now.step - task.stepBefore);
@@ -663,7 +631,7 @@ template <int Dim> void SamplesOnDevice<Dim>::take(Task& task)
 		result.tangent = tangentFromSums<Dim>(task.tangent, fourth, now.stiffnessRatio);
 	}
 	if (away.since.empty()) away.since.reserve(mostSince);
-	away.since.push_back({ task.request->displacementGradient, task.request->iceSaturation, optionsOf(task) });
+	away.since.push_back({ task.request->displacementGradient, task.request->iceSaturation, task.request->options(given) });
 	task.settles = away.since.size() >= mostSince;
 	task.stage   = Task::done;
 }
@@ -671,11 +639,11 @@ template <int Dim> void SamplesOnDevice<Dim>::take(Task& task)
 /// What the device leaves to the host: lists that outgrow their place and the steps after them, a flip, a slip.
 template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
 {
-	SampleOnDevice<Dim>&      away      = *task.away;
-	PackedWorkspace<Dim>&     workspace = worker.ready();
-	const SampleCall&         call      = *task.call;
-	const PackedUpdateOptions options   = optionsOf(task);
-	using Matrix                        = typename PackedTypes<Dim>::Matrix;
+	SampleOnDevice<Dim>&      away    = *task.away;
+	PackedSample<Dim>&        sample  = worker.ready();
+	const SampleCall&         call    = *task.call;
+	const PackedUpdateOptions options = task.request->options(given);
+	using Matrix                      = typename PackedTypes<Dim>::Matrix;
 	if (!task.hasBytes() || task.answer->unsound) {
 		forgetBytes(task, true);
 		leaveToProcessor(task, worker);
@@ -683,36 +651,36 @@ template <int Dim> void SamplesOnDevice<Dim>::finish(Task& task, Worker& worker)
 	}
 	PackedUpdateResult<Dim> result;
 	try {
-		away.takeInto(workspace, task.aside->bytes);
+		away.takeInto(sample, task.aside->bytes);
 		const long done = long(task.answer->steps), total = call.moving + call.resting;
 		long       moving = call.moving;
 		if (call.iceParts > 0) {
-			if (task.answer->awaitsBonds) workspace.bondAll();
-			workspace.run(task.iceSteps);
+			if (task.answer->awaitsBonds) sample.bondAll();
+			sample.run(task.iceSteps);
 			while (task.partsDone < task.partsAll) {
-				workspace.setIceSaturation(iceAfter(task, ++task.partsDone));
-				workspace.run(given.stepsPerSaturation);
+				sample.setIceSaturation(iceAfter(task, ++task.partsDone));
+				sample.run(given.stepsPerSaturation);
 			}
-			moving = SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(task.request->displacementGradient, workspace.iceSaturation());
+			moving = SampleUpdate<PackedSample<Dim>>(sample, options).perform(task.request->displacementGradient, sample.iceSaturation());
 		} else if (done < total) {
-			workspace.setTimeStep(call.dt);
+			sample.setTimeStep(call.dt);
 			if (done < moving) {
-				workspace.setNextVelGrad(matrixOf<Dim>(call.velGrad));
-				workspace.run(moving - done);
+				sample.setNextVelGrad(matrixOf<Dim>(call.velGrad));
+				sample.run(moving - done);
 			}
-			workspace.setNextVelGrad(Matrix::Zero());
-			workspace.run(total - std::max(done, moving));
-			workspace.setTimeStep(away.now.dt);
+			sample.setNextVelGrad(Matrix::Zero());
+			sample.run(total - std::max(done, moving));
+			sample.setTimeStep(away.now.dt);
 		}
-		result = concludeUpdate<Dim>(workspace, options, moving, task.stepBefore);
+		result = sample.conclude(options, moving, task.stepBefore);
 	} catch (const std::exception&) { // it has blown up: the processor finds out how
 		forgetBytes(task, true);
 		leaveToProcessor(task, worker);
 		return;
 	}
-	slipWhereThin<Dim>(workspace, task.request->displacementGradient, options, result);
+	slipWhereThin<Dim>(sample, task.request->displacementGradient, options, result);
 	*task.result = std::move(result);
-	task.home    = compactOf<Dim>(workspace);
+	task.home    = worker.compact();
 	task.away.reset();
 	task.stage = Task::done;
 }

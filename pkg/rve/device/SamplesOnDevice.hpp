@@ -6,7 +6,6 @@
 #include <pkg/rve/device/DeviceMemory.hpp>
 #include <pkg/rve/device/SampleDevice.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
-#include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <string>
 #include <vector>
 
@@ -39,11 +38,11 @@ private:
 	};
 	double longestTimeStep();                              ///< as PackedWorkspace has it, of now
 	bool   fetch(std::vector<unsigned char>& bytes) const; ///< false where the device does not know it any more
-	void   takeInto(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
+	void   takeInto(PackedSample<Dim>& sample, const std::vector<unsigned char>& bytes);
 	/// The state of now, from the bytes of its place or computed again where there are none. Samples that shared a state may ask at once.
-	Compact broughtHome(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
-	Compact settled(PackedWorkspace<Dim>& workspace, const std::vector<unsigned char>& bytes);
-	Compact computedAgain(PackedWorkspace<Dim>& workspace);
+	Compact broughtHome(SampleWorker<Dim>& worker, const std::vector<unsigned char>& bytes);
+	Compact settled(SampleWorker<Dim>& worker, const std::vector<unsigned char>& bytes);
+	Compact computedAgain(SampleWorker<Dim>& worker);
 
 	std::shared_ptr<DeviceMemory>       memory;
 	Compact                             base;
@@ -122,7 +121,7 @@ public:
 	const DeviceUse& use() const { return went; }
 
 private:
-	struct Worker;
+	using Worker = SampleWorker<Dim>;
 	/// Calls of one kernel.
 	struct Launch {
 		PlaceLayout                layout;
@@ -137,7 +136,6 @@ private:
 	static Part       all(const std::vector<Task>& tasks) { return { 0, 0, tasks.size() }; }
 	using Tangent = double[tangentSums(Dim)];
 	std::string                             reasonAgainst(const PackedRequest<Dim>&, const PackedUpdateOptions&) const;
-	PackedUpdateOptions                     optionsOf(const Task&) const;
 	void                                    plan(Task&, Worker&);
 	bool                                    makeAway(Task&, Worker&);
 	bool                                    planCall(Task&);

@@ -38,12 +38,6 @@ namespace {
 		if (failure) std::rethrow_exception(failure);
 	}
 
-	template <class Visitor> void forBodies(const Scene& scene, Visitor&& visit)
-	{
-		for (std::size_t id = 0; id < scene.bodies->size(); ++id)
-			if (const auto& body = (*scene.bodies)[id]) visit(*body);
-	}
-
 	bool isClumpMember(const Body& body) { return body.clumpId >= 0 && body.clumpId != body.id; }
 
 	/// The rigid body that a contact acts on: a grain or the clump that it belongs to.
@@ -176,7 +170,7 @@ void OpenSample::measureGrains()
 	std::size_t           spheres = 0;
 	averageRadius = density = 0;
 	discs                   = true;
-	forBodies(*scene, [&](const Body& body) {
+	forBodies(*scene, [&](Body& body) {
 		if (!isClumpMember(body)) discs = discs && (body.state->blockedDOFs & State::DOF_Z);
 		if (auto* material = dynamic_cast<IceBondMat*>(body.material.get())) withIce.insert(material);
 		const auto* sphere = dynamic_cast<const Sphere*>(body.shape.get());
@@ -218,59 +212,42 @@ void OpenSample::recover()
 
 // ---------------------------------------------------------------------------------------------- one update
 
-/// The bonds of the materials are others as long as it lives; contacts see that they have changed.
-class OpenSample::ChangedBonds {
+/// The ice of materials and contacts is that of an update as long as it lives; contacts see that it has changed, and forces stay.
+class OpenSample::ChangedIce {
 public:
-	/// change: of the parameters of each material.
-	template <class Change>
-	ChangedBonds(const std::vector<IceBondMat*>& all, Change&& change)
-	        : materials(all)
-	{
-		for (auto* material : materials) {
-			before.push_back(material->model());
-			auto bonds = before.back();
-			change(bonds);
-			material->takeBonds(bonds);
-		}
-	}
-	~ChangedBonds()
-	{
-		for (std::size_t k = 0; k < materials.size(); ++k)
-			materials[k]->takeBonds(before[k]);
-	}
-	ChangedBonds(const ChangedBonds&)            = delete;
-	ChangedBonds& operator=(const ChangedBonds&) = delete;
-
-private:
-	const std::vector<IceBondMat*>& materials;
-	std::vector<IceBondModel>       before;
-};
-
-/// The ice of the materials and of the contacts is stiffer as long as it lives; forces stay.
-class OpenSample::StifferIce {
-public:
-	StifferIce(OpenSample& changed, double by)
+	ChangedIce(OpenSample& changed, const IceOfUpdate& ice)
 	        : sample(changed)
-	        , factor(by)
-	        , bonds(changed.iceMaterials, [by](IceBondModel& m) { m.iceYoung *= by; })
+	        , stiffness(ice.iceStiffness)
 	{
-		if (factor != 1) stiffen(factor);
+		for (auto* material : sample.iceMaterials) {
+			before.push_back(material->model());
+			IceBondModel m = before.back();
+			m.tensileStrength *= ice.strength.tensile;
+			m.iceTensileStrength *= ice.strength.tensile;
+			m.shearStrength *= ice.strength.shear;
+			m.iceShearStrength *= ice.strength.shear;
+			m.iceYoung *= stiffness;
+			material->takeBonds(m);
+		}
+		stiffen(stiffness);
 	}
-	~StifferIce()
+	~ChangedIce()
 	{
-		if (factor != 1) stiffen(1 / factor);
+		stiffen(1 / stiffness);
+		for (std::size_t k = 0; k < before.size(); ++k)
+			sample.iceMaterials[k]->takeBonds(before[k]);
 	}
-	StifferIce(const StifferIce&)            = delete;
-	StifferIce& operator=(const StifferIce&) = delete;
+	ChangedIce(const ChangedIce&)            = delete;
+	ChangedIce& operator=(const ChangedIce&) = delete;
 
 private:
 	void stiffen(double by)
 	{
-		sample.visitContacts([&](Interaction& contact, double overlap) { stiffenContact(contact, overlap, by); });
+		if (by != 1) sample.visitContacts([by](Interaction& contact, double overlap) { stiffenContact(contact, overlap, by); });
 	}
-	OpenSample&  sample;
-	double       factor;
-	ChangedBonds bonds;
+	OpenSample&               sample;
+	const double              stiffness;
+	std::vector<IceBondModel> before;
 };
 
 PackedUpdateResult<3> OpenSample::apply(const Matrix3r& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options)
@@ -282,13 +259,7 @@ PackedUpdateResult<3> OpenSample::apply(const Matrix3r& displacementGradient, do
 	result.stress    = symmetric(meanStress);
 	const long start = scene->iter;
 	try {
-		const ChangedBonds stronger(iceMaterials, [&](IceBondModel& m) {
-			m.tensileStrength *= options.strength.tensile;
-			m.iceTensileStrength *= options.strength.tensile;
-			m.shearStrength *= options.strength.shear;
-			m.iceShearStrength *= options.strength.shear;
-		});
-		const StifferIce   stiffer(*this, options.iceStiffness);
+		const ChangedIce ice(*this, options);
 		onOneThread([&] {
 			SampleUpdate<OpenSample>(*this, options).perform(displacementGradient, targetIceSaturation);
 			checkHealth();
@@ -303,11 +274,6 @@ PackedUpdateResult<3> OpenSample::apply(const Matrix3r& displacementGradient, do
 	result.steps = scene->iter - start;
 	return result;
 }
-
-double   OpenSample::timeStep() const { return scene->dt; }
-double   OpenSample::longestTimeStep(double iceStiffness) const { return talik::longestTimeStep(*scene, iceStiffness); }
-void     OpenSample::setTimeStep(double seconds) { scene->dt = seconds; }
-Matrix3r OpenSample::velGrad() const { return scene->cell->velGrad; }
 
 void OpenSample::setNextVelGrad(const Matrix3r& velGrad)
 {
@@ -363,21 +329,19 @@ Matrix3r OpenSample::motionPerStep(const Matrix3r& displacementGradient, long st
 
 long OpenSample::movingSteps(const Matrix3r& displacementGradient, const PackedUpdateOptions& options) const
 {
-	if (discs && inPlane(displacementGradient)) {
-		PackedParameters<2> p;
+	const auto steps = [&](auto dimension) {
+		constexpr int         dim = dimension;
+		PackedParameters<dim> p;
 		p.density = density;
-		p.stress  = meanStress.topLeftCorner<2, 2>();
-		return talik::movingSteps<2>(p, scene->dt, averageRadius, displacementGradient.topLeftCorner<2, 2>(), options);
-	}
-	PackedParameters<3> p;
-	p.density = density;
-	p.stress  = meanStress;
-	return talik::movingSteps<3>(p, scene->dt, averageRadius, displacementGradient, options);
+		p.stress  = partOf<dim>(meanStress);
+		return talik::movingSteps<dim>(p, scene->dt, averageRadius, partOf<dim>(displacementGradient), options);
+	};
+	return discs && inPlane(displacementGradient) ? steps(std::integral_constant<int, 2>()) : steps(std::integral_constant<int, 3>());
 }
 
 void OpenSample::checkHealth() const
 {
-	forBodies(*scene, [](const Body& body) {
+	forBodies(*scene, [](Body& body) {
 		if (!body.state->se3.position.allFinite() || !body.state->vel.allFinite())
 			throw std::runtime_error("position or velocity of body " + std::to_string(body.id) + " is not finite");
 	});
@@ -509,7 +473,7 @@ OpenStatistics OpenSample::statistics() const
 	std::size_t bodies = 0;
 	double      solid = 0, imbalance = 0;
 	const auto& velGrad = scene->cell->velGrad;
-	forBodies(*scene, [&](const Body& body) {
+	forBodies(*scene, [&](Body& body) {
 		const State& motion = *body.state;
 		if (const auto* sphere = dynamic_cast<const Sphere*>(body.shape.get())) {
 			const double r = sphere->radius;
@@ -540,7 +504,7 @@ double StiffnessBound::modulus(double iceSaturation) const { return (hasIce ? ic
 StiffnessBound OpenSample::stiffnessBound() const
 {
 	StiffnessBound bound;
-	forBodies(*scene, [&](const Body& body) {
+	forBodies(*scene, [&](Body& body) {
 		if (const auto* elastic = dynamic_cast<const ElastMat*>(body.material.get())) bound.young = std::max(bound.young, elastic->young);
 	});
 	bound.hasIce = hasIce();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 #include <core/Scene.hpp>
+#include <pkg/rve/open/ScenePacking.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
-#include <pkg/rve/SampleUpdate.hpp>
 
 namespace yade {
 class IceBondMat;
@@ -91,15 +91,14 @@ private:
 	/// Volume that stress is a mean over: of discs area times thickness [m^3].
 	double stressVolume() const;
 
-	class ChangedBonds;
-	class StifferIce;
+	class ChangedIce;
 	friend class SampleUpdate<OpenSample>;
 	using Matrix                          = Eigen::Matrix3d;
 	static constexpr long leastStepsOfIce = 1; ///< contacts take ice saturation up in a step
-	double                timeStep() const;
-	double                longestTimeStep(double iceStiffness) const;
-	void                  setTimeStep(double seconds);
-	Matrix                velGrad() const;
+	double                timeStep() const { return scene->dt; }
+	double                longestTimeStep(double iceStiffness) const { return talik::longestTimeStep(*scene, iceStiffness); }
+	void                  setTimeStep(double seconds) { scene->dt = seconds; }
+	Matrix                velGrad() const { return scene->cell->velGrad; }
 	void                  setNextVelGrad(const Matrix&);
 	void                  run(long steps);
 	const Matrix&         lastStress() const { return meanStress; }

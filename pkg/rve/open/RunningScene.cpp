@@ -16,7 +16,7 @@ namespace {
 
 	shared_ptr<Engine> liveEngine(const Scene& scene, const char* name)
 	{
-		for (const auto& engine : scene._nextEngines.empty() ? scene.engines : scene._nextEngines)
+		for (const auto& engine : enginesNow(scene))
 			if (!engine->dead && engine->getClassName() == name) return engine;
 		return nullptr;
 	}
@@ -40,13 +40,11 @@ namespace {
 	std::string reasonOfCell(const Scene& scene)
 	{
 		double smallest = std::numeric_limits<double>::infinity(), largest = 0;
-		for (std::size_t id = 0; id < scene.bodies->size(); ++id) {
-			const auto& body = (*scene.bodies)[id];
-			if (const auto* sphere = body ? dynamic_cast<const Sphere*>(body->shape.get()) : nullptr) {
-				smallest = std::min(smallest, sphere->radius);
-				largest  = std::max(largest, sphere->radius);
-			}
-		}
+		forBodies(scene, [&](const Body& body) {
+			const auto* sphere = dynamic_cast<const Sphere*>(body.shape.get());
+			if (sphere) smallest = std::min(smallest, sphere->radius);
+			if (sphere) largest = std::max(largest, sphere->radius);
+		});
 		const double extent = 2 * largest + smallest;
 		for (int axis = 0; largest > 0 && axis < 3; ++axis) {
 			const double length = scene.cell->hSize.col(axis).norm();

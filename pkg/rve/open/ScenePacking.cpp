@@ -26,18 +26,16 @@ using namespace yade;
 namespace talik {
 namespace {
 
-	/// Bodies that were not erased, ascending by id.
 	std::vector<Body*> presentBodies(const Scene& scene)
 	{
 		std::vector<Body*> present;
-		for (std::size_t id = 0; id < scene.bodies->size(); ++id)
-			if ((*scene.bodies)[id]) present.push_back((*scene.bodies)[id].get());
+		forBodies(scene, [&](Body& body) { present.push_back(&body); });
 		return present;
 	}
 
 	py::object engineNamed(const Scene& scene, const char* name)
 	{
-		for (const auto& engine : scene._nextEngines.empty() ? scene.engines : scene._nextEngines)
+		for (const auto& engine : enginesNow(scene))
 			if (engine->getClassName() == name) return py::object(engine);
 		return py::object();
 	}
@@ -460,7 +458,7 @@ py::list bodiesOf(const Scene& scene)
 py::list enginesOf(const Scene& scene)
 {
 	py::list engines;
-	for (const auto& engine : scene._nextEngines.empty() ? scene.engines : scene._nextEngines)
+	for (const auto& engine : enginesNow(scene))
 		engines.append(engine);
 	return engines;
 }

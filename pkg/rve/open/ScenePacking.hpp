@@ -9,6 +9,16 @@ class IceBondMat;
 
 namespace talik {
 
+/// Calls it with the bodies that were not erased, ascending by id.
+template <class Visitor> void forBodies(const yade::Scene& scene, Visitor&& visit)
+{
+	for (std::size_t id = 0; id < scene.bodies->size(); ++id)
+		if (const auto& body = (*scene.bodies)[id]) visit(*body);
+}
+
+/// The engines of the next step.
+inline const auto& enginesNow(const yade::Scene& scene) { return scene._nextEngines.empty() ? scene.engines : scene._nextEngines; }
+
 /// Parts of a scene as objects of Python: its cell, None where it is not periodic; the bodies that were not erased; the engines of the next step.
 boost::python::object cellOf(const yade::Scene& scene);
 boost::python::list   bodiesOf(const yade::Scene& scene);

@@ -5,8 +5,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <pkg/rve/packed/CellSlip.hpp>
-#include <pkg/rve/packed/PackedWorkspace.hpp>
-#include <pkg/rve/SampleUpdate.hpp>
 
 namespace talik {
 
@@ -84,7 +82,7 @@ namespace {
 		using Matrix = typename PackedTypes<Dim>::Matrix;
 
 	public:
-		CellSlip(PackedWorkspace<Dim>& sample, const Matrix& displacementGradient)
+		CellSlip(PackedSample<Dim>& sample, const Matrix& displacementGradient)
 		        : workspace(sample)
 		        , target(symmetricPart<Dim>(sample.lastStress()))
 		{
@@ -451,11 +449,11 @@ namespace {
 			return strained;
 		}
 
-		PackedWorkspace<Dim>& workspace;
-		PackedState<Dim>      state;
-		const Matrix          target;
-		std::vector<Matrix>   motions;
-		double                meanOverlap = 0; ///< over the sum of radii, of grains that touched before [-]
+		PackedSample<Dim>&  workspace;
+		PackedState<Dim>    state;
+		const Matrix        target;
+		std::vector<Matrix> motions;
+		double              meanOverlap = 0; ///< over the sum of radii, of grains that touched before [-]
 	};
 
 } // namespace
@@ -471,7 +469,7 @@ template <int Dim> bool isCompact(const typename PackedTypes<Dim>::Matrix& h)
 
 template <int Dim>
 void slipWhereThin(
-        PackedWorkspace<Dim>& workspace, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options,
+        PackedSample<Dim>& workspace, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options,
         PackedUpdateResult<Dim>& result)
 {
 	using Matrix   = typename PackedTypes<Dim>::Matrix;
@@ -506,7 +504,7 @@ std::string ofThinCell(double thickness)
 #define TALIK_CELL_SLIP_OF(Dim)                                                \
 	template double cellCompactness<Dim>(const PackedTypes<Dim>::Matrix&); \
 	template bool   isCompact<Dim>(const PackedTypes<Dim>::Matrix&);       \
-	template void   slipWhereThin<Dim>(PackedWorkspace<Dim>&, const PackedTypes<Dim>::Matrix&, const PackedUpdateOptions&, PackedUpdateResult<Dim>&);
+	template void   slipWhereThin<Dim>(PackedSample<Dim>&, const PackedTypes<Dim>::Matrix&, const PackedUpdateOptions&, PackedUpdateResult<Dim>&);
 TALIK_CELL_SLIP_OF(2)
 TALIK_CELL_SLIP_OF(3)
 #undef TALIK_CELL_SLIP_OF

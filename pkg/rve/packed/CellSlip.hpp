@@ -21,7 +21,7 @@ template <int Dim> bool isCompact(const typename PackedTypes<Dim>::Matrix& hSize
 /// displacementGradient: of the update just done; result: of that update, whose stress, tangent and steps follow.
 template <int Dim>
 void slipWhereThin(
-        PackedWorkspace<Dim>& workspace, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options,
+        PackedSample<Dim>& workspace, const typename PackedTypes<Dim>::Matrix& displacementGradient, const PackedUpdateOptions& options,
         PackedUpdateResult<Dim>& result);
 
 /// What is to be said of a sample that blew up with a cell so thin, in mean diameters: nothing where it is wide enough.

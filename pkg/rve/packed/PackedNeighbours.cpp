@@ -84,13 +84,15 @@ template <int Dim> void NeighbourSearch<Dim>::wrap(const double* positions, std:
 
 template <int Dim> typename NeighbourSearch<Dim>::Grid NeighbourSearch<Dim>::chooseGrid(double reach) const
 {
-	Grid grid { {}, true };
+	constexpr double roundOff = 1e-9; // of reduced coordinates
+	Grid             grid;
 	for (int d = 0; d < Dim; ++d) {
 		double square = 0;
 		for (int e = 0; e < Dim; ++e)
 			square += inverse[d * Dim + e] * inverse[d * Dim + e];
-		grid.bins[d] = std::min(256, int(1 / (std::sqrt(square) * reach)));
-		if (grid.bins[d] < 3) grid.usable = false;
+		const double part = std::sqrt(square) * reach; // over the distance of opposite sides
+		grid.bins[d]      = std::max(1, std::min(256, int(1 / part)));
+		grid.range[d]     = std::max(1, int(std::ceil(part * grid.bins[d] + roundOff)));
 	}
 	return grid;
 }
@@ -141,24 +143,29 @@ inline void NeighbourSearch<Dim>::testPair(const Wrapped& a, const Wrapped& b, c
 	if (square <= limit * limit) keepPair(a, b, cells);
 }
 
+/// Each bin with half of those around it, itself first: the others come from there. In a cell of few bins some are met in several images.
 template <int Dim> void NeighbourSearch<Dim>::searchBins(const Grid& grid, const double* hSize)
 {
-	constexpr int        directions = Dim == 2 ? 9 : 27;
+	int directions = 1;
+	for (const int range : grid.range)
+		directions *= 2 * range + 1;
 	std::array<int, Dim> at {};
 	const std::size_t    bins = binStart.size() - 2;
 	for (std::size_t bin = 0; bin < bins; ++bin) {
 		const Wrapped *begin = binned.data() + binStart[bin], *end = binned.data() + binStart[bin + 1];
-		// half of the neighbouring bins, the bin itself first
 		for (int code = directions / 2; begin != end && code < directions; ++code) {
 			std::array<int, Dim>    cells {};
 			std::array<double, Dim> shift {};
 			int                     place[Dim], other = 0;
 			bool                    crosses = false;
-			for (int d = 0, rest = code; d < Dim; ++d, rest /= 3) {
-				place[d] = at[d] + rest % 3 - 1;
-				if (place[d] < 0) cells[d] = -1;
-				if (place[d] >= grid.bins[d]) cells[d] = 1;
-				place[d] -= cells[d] * grid.bins[d];
+			for (int d = 0, rest = code; d < Dim; ++d) {
+				const int width = 2 * grid.range[d] + 1;
+				place[d]        = at[d] + rest % width - grid.range[d];
+				rest /= width;
+				for (; place[d] < 0; place[d] += grid.bins[d])
+					--cells[d];
+				for (; place[d] >= grid.bins[d]; place[d] -= grid.bins[d])
+					++cells[d];
 				crosses |= cells[d] != 0;
 			}
 			for (int d = Dim - 1; d >= 0; --d)
@@ -167,56 +174,12 @@ template <int Dim> void NeighbourSearch<Dim>::searchBins(const Grid& grid, const
 			const Wrapped *from = binned.data() + binStart[other], *to = binned.data() + binStart[other + 1];
 			for (const Wrapped* p = begin; p != end; ++p)
 				for (const Wrapped* q = code == directions / 2 ? p + 1 : from; q != to; ++q)
-					testPair(*p, *q, cells, shift);
+					if (p != q) testPair(*p, *q, cells, shift); // no grain meets an image of itself
 		}
 		for (int d = 0; d < Dim; ++d) {
 			if (++at[d] < grid.bins[d]) break;
 			at[d] = 0;
 		}
-	}
-}
-
-template <int Dim>
-void NeighbourSearch<Dim>::collect(const std::array<int, Dim>& towards, const std::array<double, Dim>& reach, std::vector<Wrapped>& found) const
-{
-	found.clear();
-	for (std::size_t g = 0; g < wrapped.size(); ++g) {
-		bool within = true;
-		for (int d = 0; d < Dim; ++d)
-			within &= (towards[d] <= 0 || reduced[g][d] >= towards[d] - reach[d]) & (towards[d] >= 0 || reduced[g][d] <= 1 + towards[d] + reach[d]);
-		if (within) found.push_back(wrapped[g]);
-	}
-}
-
-// For cells of a few grains: every pair in every image that can reach.
-template <int Dim> void NeighbourSearch<Dim>::searchAll(const double* hSize, double reach)
-{
-	constexpr double        roundOff = 1e-9; // of reduced coordinates
-	std::array<int, Dim>    range, cells, back;
-	std::array<double, Dim> part; // reach over the distance of opposite sides
-	for (int d = 0; d < Dim; ++d) {
-		double square = 0;
-		for (int e = 0; e < Dim; ++e)
-			square += inverse[d * Dim + e] * inverse[d * Dim + e];
-		part[d]  = std::sqrt(square) * reach + roundOff;
-		range[d] = 1 + int(part[d]);
-		cells[d] = -range[d];
-	}
-	for (;;) {
-		const std::array<double, Dim> shift = shiftOf<Dim>(hSize, cells);
-		for (int d = 0; d < Dim; ++d)
-			back[d] = -cells[d];
-		collect(cells, part, facing);
-		collect(back, part, faced);
-		for (const Wrapped& a : facing)
-			for (const Wrapped& b : faced)
-				if (a.grain < b.grain) testPair(a, b, cells, shift);
-		int d = 0;
-		for (; d < Dim; ++d) {
-			if (++cells[d] <= range[d]) break;
-			cells[d] = -range[d];
-		}
-		if (d == Dim) return;
 	}
 }
 
@@ -230,14 +193,9 @@ void NeighbourSearch<Dim>::build(
 	inner->clear();
 	periodic->clear();
 	wrap(positions, stride, radii, grains, hSize);
-	const double reach = 2 * *std::max_element(radii, radii + grains);
-	const Grid   grid  = chooseGrid(reach);
-	if (grid.usable) {
-		fillBins(grid);
-		searchBins(grid, hSize);
-	} else {
-		searchAll(hSize, reach);
-	}
+	const Grid grid = chooseGrid(2 * *std::max_element(radii, radii + grains));
+	fillBins(grid);
+	searchBins(grid, hSize);
 }
 
 TALIK_IN_PLANE_AND_SPACE(NeighbourSearch);

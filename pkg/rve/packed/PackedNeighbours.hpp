@@ -72,9 +72,9 @@ public:
 	        std::vector<std::uint64_t>& periodic);
 
 private:
+	/// Bins along each cell vector, and how many of them a pair reaches across.
 	struct Grid {
-		std::array<int, Dim> bins;
-		bool                 usable;
+		std::array<int, Dim> bins, range;
 	};
 	/// A grain wrapped into the cell.
 	struct Wrapped {
@@ -87,14 +87,11 @@ private:
 	Grid chooseGrid(double reach) const;
 	void fillBins(const Grid& grid);
 	void searchBins(const Grid& grid, const double* hSize);
-	void searchAll(const double* hSize, double reach);
-	/// Grains that may reach an image of the cell so many cells away: those near enough to the sides that face it. reach: over the cell.
-	void collect(const std::array<int, Dim>& towards, const std::array<double, Dim>& reach, std::vector<Wrapped>& found) const;
 	void testPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells, const std::array<double, Dim>& shift);
 	void keepPair(const Wrapped& a, const Wrapped& b, const std::array<int, Dim>& cells);
 
 	double                               inverse[Dim * Dim] = {};
-	std::vector<Wrapped>                 wrapped, binned, facing, faced;
+	std::vector<Wrapped>                 wrapped, binned;
 	std::vector<std::array<double, Dim>> reduced;
 	std::vector<std::uint32_t>           binStart, binOf;
 	std::vector<std::uint64_t>*          inner    = nullptr;

@@ -5,8 +5,6 @@
 #include <Eigen/LU>
 #include <pkg/rve/packed/CellSlip.hpp>
 #include <pkg/rve/packed/PackedSample.hpp>
-#include <pkg/rve/packed/PackedWorkspace.hpp>
-#include <pkg/rve/SampleUpdate.hpp>
 
 namespace talik {
 
@@ -37,8 +35,6 @@ namespace {
 	}
 
 } // namespace
-
-bool portablePathForced() { return portableForced; }
 
 /// (1 + dH)^(1/N) - 1, eq. (13.2).
 template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const typename PackedTypes<Dim>::Matrix& displacementGradient, long steps)
@@ -78,30 +74,9 @@ template <int Dim> typename PackedTypes<Dim>::Matrix matrixRootIncrement(const t
 	return increment;
 }
 
-/// The strain of one DEM step of eq. (13.1).
-template <int Dim> double strainPerStep(const PackedParameters<Dim>& p, double timeStep, double meanRadius, double inertialNumber, double pressureFloor)
+template <int Dim> long PackedSample<Dim>::movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const
 {
-	const double pressure = std::max(-p.stress.trace() / Dim, pressureFloor);
-	return inertialNumber * timeStep / (2 * meanRadius) * std::sqrt(pressure / p.density);
-}
-
-/// The number of moving steps N of eq. (13.1).
-template <int Dim>
-long movingSteps(
-        const PackedParameters<Dim>& p, double timeStep, double meanRadius, const typename PackedTypes<Dim>::Matrix& displacementGradient,
-        const PackedUpdateOptions& options)
-{
-	if (options.steps > 0) return options.steps;
-	const double perStep = std::min(options.maxStrainPerStep, strainPerStep(p, timeStep, meanRadius, options.maxInertialNumber, options.pressureFloor));
-	const double wanted  = std::ceil(displacementGradient.cwiseAbs().maxCoeff() / perStep);
-	if (!(wanted < 1e9))
-		throw std::invalid_argument("packed sample: displacementGradient needs " + std::to_string(wanted) + " DEM steps; reduce the macroscopic step");
-	return std::max(options.minSteps, long(wanted));
-}
-
-template <int Dim> long PackedWorkspace<Dim>::movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const
-{
-	return talik::movingSteps<Dim>(parameters(), view.dt, averageRadius, displacementGradient, options);
+	return talik::movingSteps<Dim>(this->parameters(), this->timeStep(), this->meanRadius(), displacementGradient, options);
 }
 
 // ---------------------------------------------------------------------------------------------- one update
@@ -117,19 +92,10 @@ void checkOptions(const PackedUpdateOptions& o)
 	positive("minSteps", double(o.minSteps));
 	positive("pressureFloor", o.pressureFloor);
 	positive("saturationIncrement", o.saturationIncrement);
-	checkStrength(o.strength, o.iceStiffness);
-	checkCreep(o.creep);
+	o.checkIce();
 }
 
-void checkCreep(const BondCreep& creep)
-{
-	if (creep.isPossible()) return;
-	throw std::invalid_argument(
-	        "packed sample: creep has the rate factor times its time " + std::to_string(creep.fluidity) + " Pa^-n and the exponent "
-	        + std::to_string(creep.exponent) + "; both must be finite, the first one 0 or more, the exponent 1 or more");
-}
-
-void checkStrength(const BondStrengthFactors& strength, double iceStiffness)
+void IceOfUpdate::checkIce() const
 {
 	for (const double factor : { strength.tensile, strength.shear })
 		if (!(factor > 0) || !std::isfinite(factor))
@@ -139,43 +105,40 @@ void checkStrength(const BondStrengthFactors& strength, double iceStiffness)
 		throw std::invalid_argument(
 		        "packed sample: the factor " + std::to_string(iceStiffness)
 		        + " on the stiffness of ice must be positive and at most 2, which the time step bears; give a larger IceBondMat.iceYoung");
+	if (!creep.isPossible())
+		throw std::invalid_argument(
+		        "packed sample: creep has the rate factor times its time " + std::to_string(creep.fluidity) + " Pa^-n and the exponent "
+		        + std::to_string(creep.exponent) + "; both must be finite, the first one 0 or more, the exponent 1 or more");
 }
 
-template <int Dim>
-PackedUpdateResult<Dim> concludeUpdate(PackedWorkspace<Dim>& workspace, const PackedUpdateOptions& options, long movingSteps, std::uint64_t before)
+template <int Dim> PackedUpdateResult<Dim> PackedSample<Dim>::conclude(const PackedUpdateOptions& options, long movingSteps, std::uint64_t before)
 {
-	workspace.checkHealth();
+	this->checkHealth();
 	PackedUpdateResult<Dim> result;
 	result.movingSteps = movingSteps;
-	result.flipped     = options.flipSkew > 0 && workspace.flip(options.flipSkew);
-	result.stress      = symmetric<typename PackedTypes<Dim>::Matrix>(workspace.lastStress());
-	result.steps       = long(workspace.parameters().step - before);
-	if (options.tangent) result.tangent = workspace.tangent();
-	workspace.setIceStiffness(1);
+	result.flipped     = options.flipSkew > 0 && this->flip(options.flipSkew);
+	result.stress      = stress();
+	result.steps       = long(this->parameters().step - before);
+	if (options.tangent) result.tangent = this->tangent();
+	this->setIceStiffness(1);
 	return result;
 }
 
-template <int Dim> bool flipIsDue(const typename PackedTypes<Dim>::Matrix& hSize, const PackedUpdateOptions& options)
-{
-	return options.flipSkew > 0 && cellReduction<Dim>(hSize, std::max(options.flipSkew, 0.5)) != Eigen::Matrix<int, Dim, Dim>::Identity();
-}
-
 template <int Dim>
-PackedUpdateResult<Dim> updateWorkspace(
-        PackedWorkspace<Dim>& workspace, const PackedState<Dim>& before, const typename PackedTypes<Dim>::Matrix& displacementGradient,
-        double targetIceSaturation, const PackedUpdateOptions& options)
+PackedUpdateResult<Dim> PackedSample<Dim>::update(
+        const PackedState<Dim>& before, const Matrix& displacementGradient, double targetIceSaturation, const PackedUpdateOptions& options)
 {
 	try {
-		const auto start = workspace.parameters().step;
-		workspace.setStrengthFactors(options.strength);
-		workspace.setIceStiffness(options.iceStiffness);
-		const long moving = SampleUpdate<PackedWorkspace<Dim>>(workspace, options).perform(displacementGradient, targetIceSaturation);
-		return concludeUpdate<Dim>(workspace, options, moving, start);
+		const auto start = this->parameters().step;
+		this->setStrengthFactors(options.strength);
+		this->setIceStiffness(options.iceStiffness);
+		const long moving = SampleUpdate<PackedSample>(*this, options).perform(displacementGradient, targetIceSaturation);
+		return conclude(options, moving, start);
 	} catch (const std::runtime_error& problem) {
-		const std::string ofCell = ofThinCell(workspace.cellThickness());
-		workspace.load(before);
+		const std::string ofCell = ofThinCell(this->cellThickness());
+		this->load(before);
 		PackedUpdateResult<Dim> result;
-		result.stress = symmetric<typename PackedTypes<Dim>::Matrix>(before.stress);
+		result.stress = symmetric<Matrix>(before.stress);
 		result.blewUp = true;
 		result.reason = problem.what() + ofCell;
 		return result;
@@ -190,8 +153,8 @@ namespace {
 		using Matrix = typename PackedTypes<Dim>::Matrix;
 
 	public:
-		Servo(PackedWorkspace<Dim>& sample, const PackedServoOptions<Dim>& chosen)
-		        : workspace(sample)
+		Servo(PackedSample<Dim>& driven, const PackedServoOptions<Dim>& chosen)
+		        : sample(driven)
 		        , options(chosen)
 		{
 			scale = options.principalStress.cwiseAbs().maxCoeff();
@@ -202,14 +165,14 @@ namespace {
 			bool converged = false;
 			long done      = 0;
 			for (; done < options.maxSteps && !converged; done += options.interval) {
-				workspace.setNextVelGrad(correction(done));
-				workspace.run(options.interval, options.interval);
-				if (done / options.interval % 20 == 0) stiffness = workspace.largestModulus();
+				sample.setNextVelGrad(correction(done));
+				sample.run(options.interval, options.interval);
+				if (done / options.interval % 20 == 0) stiffness = sample.largestModulus();
 				if (withinTolerance()) converged = atRest();
 			}
-			workspace.setNextVelGrad(Matrix::Zero());
-			workspace.run(2);
-			workspace.checkHealth();
+			sample.setNextVelGrad(Matrix::Zero());
+			sample.run(2);
+			sample.checkHealth();
 			return converged;
 		}
 
@@ -219,11 +182,11 @@ namespace {
 			Matrix target = Matrix::Zero();
 			for (int d = 0; d < Dim; ++d)
 				target(d, d) = options.principalStress[d];
-			return target - symmetric<Matrix>(workspace.lastStress());
+			return target - sample.stress();
 		}
 
 		bool withinTolerance() const { return error().cwiseAbs().maxCoeff() < options.stressTolerance * scale; }
-		bool atRest() const { return workspace.statistics().unbalancedForce < options.unbalancedLimit; }
+		bool atRest() const { return sample.statistics().unbalancedForce < options.unbalancedLimit; }
 
 		/// Strain rate that would remove a share of the stress error during one interval, within the inertial limit.
 		Matrix correction(long done)
@@ -232,16 +195,16 @@ namespace {
 			// reach their stress with it, and collapse near failure with more.
 			constexpr long patience = 100000; // steps
 			const double   share    = Dim == 3 && done >= patience ? 0.6 : 0.2;
-			if (stiffness == 0) stiffness = workspace.largestModulus();
-			PackedParameters<Dim> p = workspace.parameters();
+			if (stiffness == 0) stiffness = sample.largestModulus();
+			PackedParameters<Dim> p = sample.parameters();
 			p.stress                = Matrix::Identity() * -scale;
-			const double limit      = strainPerStep<Dim>(p, p.dt, workspace.meanRadius(), options.maxInertialNumber, 1.) / p.dt;
+			const double limit      = strainPerStep<Dim>(p, p.dt, sample.meanRadius(), options.maxInertialNumber, 1.) / p.dt;
 			const double gain       = share / (stiffness * double(options.interval) * p.dt);
 			const auto   bounded    = [limit](double rate) { return std::max(-limit, std::min(limit, rate)); };
 			return Matrix(gain * error()).unaryExpr(bounded);
 		}
 
-		PackedWorkspace<Dim>&          workspace;
+		PackedSample<Dim>&             sample;
 		const PackedServoOptions<Dim>& options;
 		double                         scale = 0, stiffness = 0;
 	};
@@ -251,37 +214,39 @@ namespace {
 // ---------------------------------------------------------------------------------------------- the sample
 
 template <int Dim>
+PackedSample<Dim>::PackedSample()
+        : PackedWorkspace<Dim>(portableForced)
+{}
+
+template <int Dim>
 PackedSample<Dim>::PackedSample(const PackedState<Dim>& state)
-        : workspace(std::make_unique<PackedWorkspace<Dim>>(portablePathForced()))
+        : PackedSample()
 {
 	setState(state);
 }
-template <int Dim> PackedSample<Dim>::~PackedSample()                                       = default;
-template <int Dim> PackedSample<Dim>::PackedSample(PackedSample&&) noexcept                 = default;
-template <int Dim> PackedSample<Dim>& PackedSample<Dim>::operator=(PackedSample&&) noexcept = default;
 
 template <int Dim> PackedState<Dim> PackedSample<Dim>::state() const
 {
 	PackedState<Dim> state;
-	workspace->store(state);
+	this->store(state);
 	return state;
 }
 
 template <int Dim> void PackedSample<Dim>::setState(const PackedState<Dim>& state)
 {
 	state.check();
-	workspace->load(state);
+	this->load(state);
 }
 
 template <int Dim> void PackedSample<Dim>::advance(const Matrix& velGrad, long steps)
 {
 	if (!velGrad.allFinite()) throw std::invalid_argument("packed sample: velGrad is not finite; give a velocity gradient in 1/s");
-	const Matrix before = workspace->parameters().nextVelGrad;
-	workspace->setNextVelGrad(velGrad);
+	const Matrix before = this->parameters().nextVelGrad;
+	this->setNextVelGrad(velGrad);
 	try {
 		advance(steps);
 	} catch (...) {
-		workspace->setNextVelGrad(before);
+		this->setNextVelGrad(before);
 		throw;
 	}
 }
@@ -291,10 +256,10 @@ template <int Dim> void PackedSample<Dim>::advance(long steps)
 	if (steps < 0) throw std::invalid_argument("packed sample: steps = " + std::to_string(steps) + " must not be negative");
 	const PackedState<Dim> before = state();
 	try {
-		workspace->run(steps);
-		workspace->checkHealth();
+		this->run(steps);
+		this->checkHealth();
 	} catch (const std::runtime_error&) {
-		workspace->load(before);
+		this->load(before);
 		throw;
 	}
 }
@@ -305,18 +270,9 @@ PackedUpdateResult<Dim> PackedSample<Dim>::apply(const Matrix& displacementGradi
 	checkOptions(options);
 	if (!(targetIceSaturation >= 0 && targetIceSaturation <= 1))
 		throw std::invalid_argument("packed sample: ice saturation " + std::to_string(targetIceSaturation) + " must lie in 0..1");
-	PackedUpdateResult<Dim> result = updateWorkspace<Dim>(*workspace, state(), displacementGradient, targetIceSaturation, options);
-	if (!result.blewUp) slipWhereThin<Dim>(*workspace, displacementGradient, options, result);
+	PackedUpdateResult<Dim> result = update(state(), displacementGradient, targetIceSaturation, options);
+	if (!result.blewUp) slipWhereThin<Dim>(*this, displacementGradient, options, result);
 	return result;
-}
-
-template <int Dim> void        PackedSample<Dim>::setIceSaturation(double iceSaturation) { workspace->setIceSaturation(iceSaturation); }
-template <int Dim> std::size_t PackedSample<Dim>::bondAll() { return workspace->bondAll(); }
-
-template <int Dim> void PackedSample<Dim>::setFriction(double tangent)
-{
-	if (!(tangent >= 0)) throw std::invalid_argument("packed sample: friction = " + std::to_string(tangent) + " must not be negative");
-	workspace->setFriction(tangent);
 }
 
 template <int Dim> bool PackedSample<Dim>::servo(const PackedServoOptions<Dim>& options)
@@ -326,37 +282,19 @@ template <int Dim> bool PackedSample<Dim>::servo(const PackedServoOptions<Dim>& 
 		        "packed sample: principalStress = " + std::to_string(options.principalStress.maxCoeff()) + " Pa must be compressive (negative)");
 	const PackedState<Dim> before = state();
 	try {
-		return Servo<Dim>(*workspace, options).perform();
+		return Servo<Dim>(*this, options).perform();
 	} catch (const std::runtime_error&) {
-		workspace->load(before);
+		this->load(before);
 		throw;
 	}
 }
 
-template <int Dim> bool PackedSample<Dim>::flip(double skew) { return workspace->flip(skew); }
-
-template <int Dim> typename PackedTypes<Dim>::Matrix PackedSample<Dim>::stress() const { return symmetric<Matrix>(workspace->lastStress()); }
-template <int Dim> PackedStatistics<Dim>             PackedSample<Dim>::statistics() const { return workspace->statistics(); }
-template <int Dim> PackedTangent<Dim>                PackedSample<Dim>::tangent() const { return workspace->tangent(); }
-template <int Dim> const char*                       PackedSample<Dim>::path() const { return workspace->path(); }
+template <int Dim> typename PackedTypes<Dim>::Matrix PackedSample<Dim>::stress() const { return symmetric<Matrix>(this->lastStress()); }
 template <int Dim> void                              PackedSample<Dim>::forcePortable(bool portable) { portableForced = portable; }
+template <int Dim> bool                              PackedSample<Dim>::onOtherPath() const { return this->portableOnly() != portableForced; }
 
 template PackedTypes<2>::Matrix matrixRootIncrement<2>(const PackedTypes<2>::Matrix&, long);
 template PackedTypes<3>::Matrix matrixRootIncrement<3>(const PackedTypes<3>::Matrix&, long);
-template long                   PackedWorkspace<2>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
-template long                   PackedWorkspace<3>::movingSteps(const Matrix&, const PackedUpdateOptions&) const;
-template long                   movingSteps<2>(const PackedParameters<2>&, double, double, const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
-template long                   movingSteps<3>(const PackedParameters<3>&, double, double, const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
-template double                 strainPerStep<2>(const PackedParameters<2>&, double, double, double, double);
-template double                 strainPerStep<3>(const PackedParameters<3>&, double, double, double, double);
-template PackedUpdateResult<2>  concludeUpdate<2>(PackedWorkspace<2>&, const PackedUpdateOptions&, long, std::uint64_t);
-template PackedUpdateResult<3>  concludeUpdate<3>(PackedWorkspace<3>&, const PackedUpdateOptions&, long, std::uint64_t);
-template bool                   flipIsDue<2>(const PackedTypes<2>::Matrix&, const PackedUpdateOptions&);
-template bool                   flipIsDue<3>(const PackedTypes<3>::Matrix&, const PackedUpdateOptions&);
-template PackedUpdateResult<2>  updateWorkspace<2>(
-        PackedWorkspace<2>&, const PackedState<2>&, const PackedTypes<2>::Matrix&, double, const PackedUpdateOptions&);
-template PackedUpdateResult<3> updateWorkspace<3>(
-        PackedWorkspace<3>&, const PackedState<3>&, const PackedTypes<3>::Matrix&, double, const PackedUpdateOptions&);
 TALIK_IN_PLANE_AND_SPACE(PackedSample);
 
 } // namespace talik

@@ -6,7 +6,6 @@
 #include <pkg/rve/device/SamplesOnDevice.hpp>
 #include <pkg/rve/packed/CellSlip.hpp>
 #include <pkg/rve/packed/PackedSamplePool.hpp>
-#include <pkg/rve/packed/PackedWorkspace.hpp>
 #include <stdexcept>
 #include <unordered_set>
 
@@ -18,13 +17,12 @@ namespace {
 	template <int Dim> int compareWork(const PackedRequest<Dim>& a, const void* stateA, const PackedRequest<Dim>& b, const void* stateB)
 	{
 		if (stateA != stateB) return std::less<const void*>()(stateA, stateB) ? -1 : 1;
-		if (const int c = std::memcmp(a.displacementGradient.data(), b.displacementGradient.data(), sizeof(double) * Dim * Dim)) return c;
-		if (const int c = std::memcmp(&a.iceSaturation, &b.iceSaturation, sizeof(double))) return c;
-		if (const int c = std::memcmp(&a.inertialNumber, &b.inertialNumber, sizeof(double))) return c;
-		if (const int c = std::memcmp(&a.strength, &b.strength, sizeof(a.strength))) return c;
-		if (const int c = std::memcmp(&a.iceStiffness, &b.iceStiffness, sizeof(double))) return c;
-		if (const int c = std::memcmp(&a.creep, &b.creep, sizeof(a.creep))) return c;
-		return int(a.compareRates) - int(b.compareRates);
+		int differs = 0;
+		a.forBytes([&](const void* of, std::size_t bytes) {
+			const char* const its = reinterpret_cast<const char*>(&b) + (static_cast<const char*>(of) - reinterpret_cast<const char*>(&a));
+			if (differs == 0) differs = std::memcmp(of, its, bytes);
+		});
+		return differs;
 	}
 
 	constexpr long rateRefinement = 4; ///< steps of the finer of two compared updates over those of the coarser
@@ -40,65 +38,43 @@ namespace {
 	{
 		if (!(request.iceSaturation >= 0 && request.iceSaturation <= 1))
 			throw std::invalid_argument("packed sample: ice saturation " + std::to_string(request.iceSaturation) + " must lie in 0..1");
-		checkStrength(request.strength, request.iceStiffness);
-		checkCreep(request.creep);
+		request.checkIce();
 	}
 
 } // namespace
 
-template <int Dim> struct SamplePool<Dim>::Worker {
-	std::unique_ptr<PackedWorkspace<Dim>> workspace;
-	PackedState<Dim>                      state;
-	PackedLists<Dim>                      lists;
-
-	PackedUpdateResult<Dim> update(Compact& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
+template <int Dim> struct SamplePool<Dim>::Worker : SampleWorker<Dim> {
+	PackedUpdateResult<Dim> update(Compact& compact, const PackedRequest<Dim>& request, const PackedUpdateOptions& ofAll)
 	{
-		if (request.inertialNumber > 0) options.maxInertialNumber = request.inertialNumber;
-		options.strength               = request.strength;
-		options.iceStiffness           = request.iceStiffness;
-		options.creep                  = request.creep;
-		PackedUpdateResult<Dim> result = request.compareRates ? compareRates(*sample, request, options) : begin(*sample, request, options);
+		const PackedUpdateOptions options = request.options(ofAll);
+		PackedUpdateResult<Dim>   result  = request.compareRates ? compareRates(*compact, request, options) : begin(*compact, request, options);
 		if (result.blewUp) return result;
-		slipWhereThin<Dim>(*workspace, request.displacementGradient, options, result);
-		workspace->store(state, &lists);
-		sample = std::make_shared<CompactSample<Dim>>(state, &lists);
+		slipWhereThin<Dim>(*this->sample, request.displacementGradient, options, result);
+		compact = this->compact();
 		return result;
 	}
 
-	PackedUpdateResult<Dim> begin(const CompactSample<Dim>& sample, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
-	{
-		expanded(sample);
-		return follow(request, options);
-	}
-
-	PackedWorkspace<Dim>& expanded(const CompactSample<Dim>& sample)
-	{
-		if (!workspace || workspace->portableOnly() != portablePathForced()) workspace = std::make_unique<PackedWorkspace<Dim>>(portablePathForced());
-		const bool listed = sample.expand(state, lists);
-		workspace->load(state, listed ? &lists : nullptr);
-		return *workspace;
-	}
-
 	/// The error of quasi-static motion is of first order in the rate: what is left of it beyond the finer steps is a geometric series.
-	PackedUpdateResult<Dim> compareRates(const CompactSample<Dim>& sample, const PackedRequest<Dim>& request, PackedUpdateOptions options)
+	PackedUpdateResult<Dim> compareRates(const CompactSample<Dim>& compact, const PackedRequest<Dim>& request, PackedUpdateOptions options)
 	{
-		const PackedUpdateResult<Dim> coarse = begin(sample, request, options);
+		const PackedUpdateResult<Dim> coarse = begin(compact, request, options);
 		if (coarse.blewUp) return coarse;
 		options.steps                = rateRefinement * coarse.movingSteps;
-		PackedUpdateResult<Dim> fine = begin(sample, request, options);
+		PackedUpdateResult<Dim> fine = begin(compact, request, options);
 		fine.rateError               = (fine.stress - coarse.stress).norm() * rateRefinement / (rateRefinement - 1.);
 		fine.steps += coarse.steps;
 		return fine;
 	}
 
 	/// An increment that this sample cannot follow is a blow-up of this sample, not of the others.
-	PackedUpdateResult<Dim> follow(const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
+	PackedUpdateResult<Dim> begin(const CompactSample<Dim>& compact, const PackedRequest<Dim>& request, const PackedUpdateOptions& options)
 	{
+		this->load(compact);
 		try {
-			return updateWorkspace<Dim>(*workspace, state, request.displacementGradient, request.iceSaturation, options);
+			return this->sample->update(this->state, request.displacementGradient, request.iceSaturation, options);
 		} catch (const std::invalid_argument& problem) {
 			PackedUpdateResult<Dim> result {};
-			result.stress = 0.5 * (state.stress + state.stress.transpose());
+			result.stress = 0.5 * (this->state.stress + this->state.stress.transpose());
 			result.blewUp = true;
 			result.reason = problem.what();
 			return result;
@@ -188,7 +164,7 @@ template <int Dim> const PackedStatistics<Dim>& SamplePool<Dim>::statistics(std:
 	Measured& last = measured[sample];
 	if (last.of.lock() == now) return last.statistics;
 	if (!measurer) measurer = std::make_unique<Worker>();
-	last.statistics = measurer->expanded(*now).statistics();
+	last.statistics = measurer->load(*now).statistics();
 	last.of         = now;
 	return last.statistics;
 }

@@ -52,16 +52,61 @@ private:
 };
 
 /// One sample to be updated.
-template <int Dim> struct PackedRequest {
-	std::size_t                       sample               = 0;
-	typename PackedTypes<Dim>::Matrix displacementGradient = PackedTypes<Dim>::Matrix::Zero();
-	double                            iceSaturation        = 0;
-	double                            inertialNumber       = 0; ///< > 0: bounds the strain of a DEM step of this request in place of the option's [-]
+template <int Dim> struct PackedRequest : IceOfUpdate {
+	using Matrix = typename PackedTypes<Dim>::Matrix;
+	PackedRequest(std::size_t of = 0, const Matrix& gradient = Matrix::Zero(), double ice = 0)
+	        : sample(of)
+	        , displacementGradient(gradient)
+	        , iceSaturation(ice)
+	{}
+	std::size_t sample;
+	Matrix      displacementGradient;
+	double      iceSaturation;
+	double      inertialNumber = 0; ///< > 0: bounds the strain of a DEM step of this request in place of the option's [-]
 	/// Also follow the request with finer steps, keep that state, and report by how much the coarser one differs: see rateError.
-	bool                compareRates = false;
-	BondStrengthFactors strength {};      ///< of the ice bonds in this update
-	double              iceStiffness = 1; ///< the same
-	BondCreep           creep {};         ///< the same
+	bool compareRates = false;
+	/// Options of this request where these are those of all.
+	PackedUpdateOptions options(PackedUpdateOptions ofAll) const
+	{
+		static_cast<IceOfUpdate&>(ofAll) = *this;
+		if (inertialNumber > 0) ofAll.maxInertialNumber = inertialNumber;
+		return ofAll;
+	}
+	/// Calls visit(data, bytes) for all that an update of a sample follows from, but its state.
+	template <class Visitor> void forBytes(Visitor&& visit) const
+	{
+		visit(displacementGradient.data(), sizeof(double) * Dim * Dim);
+		visit(&iceSaturation, sizeof(double));
+		visit(&inertialNumber, sizeof(double));
+		visit(static_cast<const IceOfUpdate*>(this), sizeof(IceOfUpdate)); // numbers, without padding
+		visit(&compareRates, sizeof(bool));
+	}
+};
+
+/// What a thread works with: kept, and decides nothing.
+template <int Dim> struct SampleWorker {
+	std::unique_ptr<PackedSample<Dim>> sample;
+	PackedState<Dim>                   state;
+	PackedLists<Dim>                   lists;
+
+	PackedSample<Dim>& ready()
+	{
+		if (!sample || sample->onOtherPath()) sample = std::make_unique<PackedSample<Dim>>();
+		return *sample;
+	}
+	/// `state` is its state from now on.
+	PackedSample<Dim>& load(const CompactSample<Dim>& compact)
+	{
+		const bool listed = compact.expand(state, lists);
+		ready().load(state, listed ? &lists : nullptr);
+		return *sample;
+	}
+	/// The sample as it is now.
+	std::shared_ptr<const CompactSample<Dim>> compact()
+	{
+		sample->store(state, &lists);
+		return std::make_shared<const CompactSample<Dim>>(state, &lists);
+	}
 };
 
 /// Thousands of samples. Samples that were never asked since they were prepared share one state; the first update detaches them.
@@ -111,7 +156,6 @@ public:
 	std::size_t bytes() const;
 
 private:
-	/// What a thread works with: kept, and decides nothing.
 	struct Worker;
 	struct Measured {
 		std::weak_ptr<const CompactSample<Dim>> of;

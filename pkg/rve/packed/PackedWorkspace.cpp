@@ -6,7 +6,6 @@
 #include <pkg/icebond/IceChange.hpp>
 #include <pkg/icebond/IceLaws.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
-#include <pkg/rve/SampleUpdate.hpp>
 
 namespace talik {
 
@@ -234,6 +233,7 @@ template <int Dim> void PackedWorkspace<Dim>::setNextVelGrad(const Matrix& velGr
 
 template <int Dim> void PackedWorkspace<Dim>::setFriction(double tangent)
 {
+	if (!(tangent >= 0)) throw std::invalid_argument("packed sample: friction = " + std::to_string(tangent) + " must not be negative");
 	base.friction = view.friction = tangent;
 	setStrengths();
 }

@@ -2,8 +2,8 @@
 #pragma once
 #include <cmath>
 #include <pkg/rve/packed/PackedNeighbours.hpp>
-#include <pkg/rve/packed/PackedSample.hpp>
 #include <pkg/rve/packed/PackedStepView.hpp>
+#include <pkg/rve/SampleUpdate.hpp>
 #include <stdexcept>
 #include <vector>
 
@@ -43,22 +43,23 @@ public:
 	/// Until a state is loaded.
 	void   setTimeStep(double seconds) { view.dt = seconds; }
 	Matrix velGrad() const { return parameters().velGrad; }
-	long   movingSteps(const Matrix& displacementGradient, const PackedUpdateOptions& options) const;
-	Matrix motionPerStep(const Matrix& displacementGradient, long steps) const { return matrixRootIncrement<Dim>(displacementGradient, steps); }
 
 	static constexpr long leastStepsOfIce = 0; ///< that a change of ice saturation takes
 	static constexpr bool hasIce() { return true; }
 	double                iceSaturation() const { return base.iceSaturation; }
-	void                  setIceSaturation(double iceSaturation);
+	/// At once and at fixed geometry: bonds, strengths, stiffness, radii. Limits are checked in the next step.
+	void setIceSaturation(double iceSaturation);
 	/// Of intact ice bonds, from now on and for every state that is loaded.
 	void setStrengthFactors(const BondStrengthFactors& factors);
 	/// Of the ice over that of the material [-]; forces stay. A state is loaded with 1 and to be stored with 1.
 	void setIceStiffness(double factor);
 	/// Of the ice bonds, at the overlaps of now.
-	void        creep(const BondCreep& creep);
+	void creep(const BondCreep& creep);
+	/// Bonds every frictional pair with gap <= ice.bondRange R_min, stress-free, whatever the history of ice saturation. Returns their number.
 	std::size_t bondAll();
 	void        setFriction(double tangent);
-	bool        flip(double skew);
+	/// Flips the cell to its shortest equivalent vectors if a skew exceeds `skew`; physics unchanged. True if it flipped.
+	bool flip(double skew = 0.5);
 
 	/// Throws PackedBlowUp when a number is not finite or grains overlap by more than a radius. Lists are checked before they are built;
 	/// whoever runs steps checks once more when it is done.
@@ -71,7 +72,8 @@ public:
 	PackedTangent<Dim>    tangent() const;
 	Matrix                hSize() const;
 	/// Distance of a grain's next image over the mean diameter [-].
-	double      cellThickness() const;
+	double cellThickness() const;
+	/// What its steps run on: the vectors in use as Highway names them, such as "AVX2", "AVX3" or "AVX3_DL" (AVX-512) or "NEON", or "portable".
 	const char* path() const { return kernel.name; }
 	bool        portableOnly() const { return portable; }
 	/// State without arrays of grains and contacts: parameters, cell, step count.
@@ -97,8 +99,6 @@ private:
 		std::vector<PackedRollingBlock<Dim>> rolling;
 		std::vector<PackedMomentBlock<Dim>>  moments;
 		void                                 resize(std::size_t number, bool periodic, PackedContactKind kind);
-		void                                 takeHistory(std::size_t lane, const Lanes& from, std::size_t at);
-		void                                 forgetHistory(std::size_t lane);
 	};
 	struct Geometry {
 		PackedPairRows<Dim> rows;
@@ -108,6 +108,16 @@ private:
 	void loadGrains(const PackedState<Dim>& state);
 	void loadContacts(const PackedState<Dim>& state);
 	void loadListed(const PackedContacts<Dim>& contacts, const PackedLists<Dim>& lists);
+	/// Forces and moments that pairs remember, of each kind: visit(whether contacts have it, its blocks in Lanes, its rows there, its array in contacts).
+	template <class Visitor> void forMemory(Visitor visit) const
+	{
+		visit(true, &Lanes::block, &PackedBlock<Dim>::shear, &PackedContacts<Dim>::shear);
+		visit(resistsRolling, &Lanes::rolling, &PackedRollingBlock<Dim>::moment, &PackedContacts<Dim>::moment);
+		visit(carriesBonds, &Lanes::ice, &PackedIceBlock<Dim>::iceShear, &PackedContacts<Dim>::iceShear);
+		visit(carriesBonds && bondsCarryMoments, &Lanes::moments, &PackedMomentBlock<Dim>::moment, &PackedContacts<Dim>::bondMoment);
+	}
+	void takeHistory(Lanes& lanes, std::size_t lane, const Lanes& from, std::size_t at) const;
+	void forgetHistory(Lanes& lanes, std::size_t lane) const;
 	void takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& contacts, std::size_t k) const;
 	void storeContacts(PackedContacts<Dim>& contacts, PackedLists<Dim>* lists) const;
 	void storeLists(PackedLists<Dim>& lists, const std::vector<std::uint32_t> (&kept)[2]) const;
@@ -129,7 +139,7 @@ private:
 	void     keepDistantBonds(const Lanes& old, const std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& kept) const;
 	void     fillLanes(Lanes& lanes, const Lanes& old, bool periodic);
 	void     setPair(Lanes& lanes, std::size_t lane, const PairKey<Dim>& pair, bool periodic);
-	void     fillUp(Lanes& lanes, bool periodic);
+	void     fillUp(Lanes& lanes);
 	void     setResponse(Lanes& lanes, std::size_t lane);
 	void     setResponses(Lanes& lanes);
 	void     setRolling(Lanes& lanes, std::size_t lane, double shearStiffness);

@@ -15,38 +15,37 @@ template <int Dim> void PackedWorkspace<Dim>::Lanes::resize(std::size_t number, 
 {
 	const std::size_t blocks = (number + packedWidth - 1) / packedWidth;
 	pairs                    = number;
-	block.resize(blocks);
-	shift.resize(crosses ? packedWidth * blocks : 0);
-	ice.resize(kind.bonded ? blocks : 0);
+	// zero is left in the last block, where lanes may stay free
+	const auto fit = [](auto& array, std::size_t length, std::size_t last) {
+		array.resize(length);
+		std::fill(array.end() - long(std::min(last, length)), array.end(), typename std::decay_t<decltype(array)>::value_type());
+	};
+	fit(block, blocks, 1);
+	fit(shift, crosses ? packedWidth * blocks : 0, packedWidth);
+	fit(ice, kind.bonded ? blocks : 0, 1);
+	fit(rolling, kind.rolling ? blocks : 0, 1);
+	fit(moments, kind.moments ? blocks : 0, 1);
 	bond.resize(kind.bonded ? number : 0);
-	rolling.resize(kind.rolling ? blocks : 0);
-	moments.resize(kind.moments ? blocks : 0);
 }
 
-template <int Dim> void PackedWorkspace<Dim>::Lanes::takeHistory(std::size_t lane, const Lanes& from, std::size_t at)
+template <int Dim> void PackedWorkspace<Dim>::takeHistory(Lanes& lanes, std::size_t lane, const Lanes& from, std::size_t at) const
 {
-	setLaneShear<Dim>(block[lane / packedWidth].shear, lane % packedWidth, laneShear<Dim>(from.block[at / packedWidth].shear, at % packedWidth));
-	if (!rolling.empty())
-		setLaneShear<Dim>(
-		        rolling[lane / packedWidth].moment, lane % packedWidth, laneShear<Dim>(from.rolling[at / packedWidth].moment, at % packedWidth));
-	if (ice.empty()) return;
-	setLaneShear<Dim>(ice[lane / packedWidth].iceShear, lane % packedWidth, laneShear<Dim>(from.ice[at / packedWidth].iceShear, at % packedWidth));
-	if (!moments.empty())
-		setLaneShear<Dim>(
-		        moments[lane / packedWidth].moment, lane % packedWidth, laneShear<Dim>(from.moments[at / packedWidth].moment, at % packedWidth));
-	bond[lane] = from.bond[at];
+	forMemory([&](bool kept, auto blocks, auto rows, auto) {
+		if (!kept) return;
+		const auto former = laneShear<Dim>((from.*blocks)[at / packedWidth].*rows, at % packedWidth);
+		setLaneShear<Dim>((lanes.*blocks)[lane / packedWidth].*rows, lane % packedWidth, former);
+	});
+	if (carriesBonds) lanes.bond[lane] = from.bond[at];
 }
 
-template <int Dim> void PackedWorkspace<Dim>::Lanes::forgetHistory(std::size_t lane)
+template <int Dim> void PackedWorkspace<Dim>::forgetHistory(Lanes& lanes, std::size_t lane) const
 {
 	Shear none;
 	clearShear(none);
-	setLaneShear<Dim>(block[lane / packedWidth].shear, lane % packedWidth, none);
-	if (!rolling.empty()) setLaneShear<Dim>(rolling[lane / packedWidth].moment, lane % packedWidth, none);
-	if (ice.empty()) return;
-	setLaneShear<Dim>(ice[lane / packedWidth].iceShear, lane % packedWidth, none);
-	if (!moments.empty()) setLaneShear<Dim>(moments[lane / packedWidth].moment, lane % packedWidth, none);
-	if (lane < pairs) bond[lane] = IceBond();
+	forMemory([&](bool kept, auto blocks, auto rows, auto) {
+		if (kept) setLaneShear<Dim>((lanes.*blocks)[lane / packedWidth].*rows, lane % packedWidth, none);
+	});
+	if (carriesBonds) lanes.bond[lane] = IceBond();
 }
 
 /// History goes where a rebuild expects it: into the lanes of the "previous" list.
@@ -73,13 +72,10 @@ template <int Dim> void PackedWorkspace<Dim>::loadContacts(const PackedState<Dim
 
 template <int Dim> void PackedWorkspace<Dim>::takeContact(Lanes& lanes, std::size_t lane, const PackedContacts<Dim>& c, std::size_t k) const
 {
-	const std::size_t b = lane / packedWidth, l = lane % packedWidth;
-	setLaneShear<Dim>(lanes.block[b].shear, l, c.shear[k]);
-	if (resistsRolling) setLaneShear<Dim>(lanes.rolling[b].moment, l, c.moment[k]);
-	if (!carriesBonds) return;
-	setLaneShear<Dim>(lanes.ice[b].iceShear, l, c.iceShear[k]);
-	if (bondsCarryMoments) setLaneShear<Dim>(lanes.moments[b].moment, l, c.bondMoment[k]);
-	lanes.bond[lane] = c.iceBond(k);
+	forMemory([&](bool kept, auto blocks, auto rows, auto array) {
+		if (kept) setLaneShear<Dim>((lanes.*blocks)[lane / packedWidth].*rows, lane % packedWidth, (c.*array)[k]);
+	});
+	if (carriesBonds) lanes.bond[lane] = c.iceBond(k);
 }
 
 /// Lists as they were stored: nothing is searched, sorted or compared.
@@ -103,10 +99,10 @@ template <int Dim> void PackedWorkspace<Dim>::loadListed(const PackedContacts<Di
 			if (crosses) pair.cellDist = lists.cellDist[lane];
 			setPair(lanes, lane, pair, crosses);
 			if (known) takeContact(lanes, lane, contacts, contact++);
-			else lanes.forgetHistory(lane);
+			else forgetHistory(lanes, lane);
 		}
 		setResponses(lanes);
-		fillUp(lanes, crosses);
+		fillUp(lanes);
 	}
 	lanesChanged();
 }
@@ -140,13 +136,10 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 	fit(c.first, true);
 	fit(c.second, true);
 	fit(c.cellDist, true);
-	fit(c.shear, true);
-	fit(c.moment, resistsRolling);
-	fit(c.iceShear, carriesBonds);
-	fit(c.bondMoment, carriesBonds && bondsCarryMoments);
 	fit(c.iceReference, carriesBonds);
 	fit(c.grainReference, carriesBonds);
 	fit(c.bond, carriesBonds);
+	forMemory([&](bool kept, auto, auto, auto array) { fit(c.*array, kept); });
 	std::size_t k = 0;
 	for (const bool crosses : { false, true }) {
 		const Lanes& lanes = crosses ? periodicLanes : innerLanes;
@@ -156,12 +149,11 @@ template <int Dim> void PackedWorkspace<Dim>::storeContacts(PackedContacts<Dim>&
 			c.second[k] = std::uint16_t(rowOf(lanes.block[b].second[l]));
 			for (int d = 0; d < Dim; ++d)
 				c.cellDist[k][d] = crosses ? shiftCell[rowOf(lanes.shift[lane]) * Dim + d] : std::int8_t(0);
-			c.shear[k] = laneShear<Dim>(lanes.block[b].shear, l);
-			if (resistsRolling) c.moment[k] = laneShear<Dim>(lanes.rolling[b].moment, l);
+			forMemory([&](bool kept, auto blocks, auto rows, auto array) {
+				if (kept) (c.*array)[k] = laneShear<Dim>((lanes.*blocks)[b].*rows, l);
+			});
 			if (carriesBonds) {
 				const IceBond& bond = lanes.bond[lane];
-				c.iceShear[k]       = laneShear<Dim>(lanes.ice[b].iceShear, l);
-				if (bondsCarryMoments) c.bondMoment[k] = laneShear<Dim>(lanes.moments[b].moment, l);
 				c.iceReference[k]   = bond.uIce;
 				c.grainReference[k] = bond.uGrain;
 				c.bond[k]           = c.encode(bond);
@@ -405,36 +397,19 @@ template <int Dim> void PackedWorkspace<Dim>::fillLanes(Lanes& lanes, const Lane
 		setPair(lanes, lane, PairKey<Dim>::decode(lanes.keys[lane]), crosses);
 		while (at < old.pairs && old.keys[at] < lanes.keys[lane])
 			++at;
-		if (at < old.pairs && old.keys[at] == lanes.keys[lane]) lanes.takeHistory(lane, old, at);
-		else lanes.forgetHistory(lane);
+		if (at < old.pairs && old.keys[at] == lanes.keys[lane]) takeHistory(lanes, lane, old, at);
+		else forgetHistory(lanes, lane);
 	}
 	setResponses(lanes);
-	fillUp(lanes, crosses);
+	fillUp(lanes);
 }
 
 /// The last block's free lanes hold a pair of rows that never meet.
-template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes, bool crosses)
+template <int Dim> void PackedWorkspace<Dim>::fillUp(Lanes& lanes)
 {
 	for (std::size_t lane = lanes.pairs; lane < packedWidth * lanes.block.size(); ++lane) {
-		PackedBlock<Dim>& block = lanes.block[lane / packedWidth];
-		const std::size_t l     = lane % packedWidth;
-		block.first[l]          = std::uint32_t(PackedLayout<Dim>::row * rowCount);
-		block.second[l]         = std::uint32_t(PackedLayout<Dim>::row * (rowCount + 1));
-		block.sumRadius[l] = block.stiffness[l] = 0;
-		if constexpr (Dim == 3) block.halfDifference[l] = 0;
-		if (crosses) lanes.shift[lane] = 0;
-		lanes.forgetHistory(lane);
-		if (resistsRolling) {
-			PackedRollingBlock<Dim>& rolling = lanes.rolling[lane / packedWidth];
-			rolling.stiffness[l] = rolling.lever[l] = rolling.inverseFirst[l] = rolling.inverseSecond[l] = 0;
-		}
-		if (!carriesBonds) continue;
-		if (bondsCarryMoments) {
-			PackedMomentBlock<Dim>& moments = lanes.moments[lane / packedWidth];
-			moments.bending[l] = moments.twisting[l] = moments.edgeOverMoment[l] = moments.inverseFirst[l] = moments.inverseSecond[l] = 0;
-		}
-		PackedIceBlock<Dim>& ice = lanes.ice[lane / packedWidth];
-		ice.offset[l] = ice.floor[l] = ice.cohesion[l] = ice.iceShare[l] = 0;
+		lanes.block[lane / packedWidth].first[lane % packedWidth]  = std::uint32_t(PackedLayout<Dim>::row * rowCount);
+		lanes.block[lane / packedWidth].second[lane % packedWidth] = std::uint32_t(PackedLayout<Dim>::row * (rowCount + 1));
 	}
 }
 
