@@ -73,7 +73,7 @@ tenthsBuilt() {
 
 ensurePackages() {
 	command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
-		fail "Talik needs Debian 12 or 13 (apt-get and dpkg-query were not found); the packages to provide by hand are in scripts/packages.txt"
+		fail "Talik needs Debian 12, 13 or testing (apt-get and dpkg-query were not found); the packages to provide by hand are in scripts/packages.txt"
 	local missing become=() log
 	missing=$(missingPackages | xargs)
 	[ -z "$missing" ] && return
@@ -98,8 +98,8 @@ ensureYade() {
 	local version
 	version=$(dpkg-query -W -f='${Version}' yade 2>/dev/null)
 	case $version in
-	2023.02a* | 2025.2.0*) ;;
-	*) fail "Talik is built for yade 2023.02a of Debian 12 or 2025.2.0 of Debian 13; yade here is '${version:-absent}'" ;;
+	2023.02a* | 2025.2.0* | 2026.1.0*) ;;
+	*) fail "Talik is built for yade 2023.02a, 2025.2.0 or 2026.1.0 (Debian 12, 13 and testing); yade here is '${version:-absent}'" ;;
 	esac
 }
 

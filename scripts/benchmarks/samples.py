@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Times of packed samples against stock YADE's engines, side by side: run by scripts/bench samples, inside the stock yade -j1.
 
-usage  samples.py <result.json>
+usage  samples.py <result.json> [peers]   peers: only discs and spheres beside stock YADE and LAMMPS
 
 Both sides run in the calling thread; times are CPU times of that thread, except on two threads (wall). Stock YADE is stepped
 without O.run's sleeping wait. A ratio is the median of the ratios of neighbours in time."""
@@ -39,11 +39,17 @@ def ratioOfSteps(name, twin, stock, packed, more=None, **limits):
 	)
 
 
-def frictionalSteps(sample):
-	twin = Twin(sample, slowRate, window=2000)
-	stock, packed, portable = interleaved(rounds, twin.stock, twin.fused, twin.fusedPortable)
-	yield ratioOfSteps(f"frictional, {sample.path}", twin, stock, packed, floor=30, aim=40)
-	yield ratioOfSteps("frictional, portable", twin, stock, portable, floor=10)
+def besideOthers(name, sample, parameters, window, portableFloor=None, **limits):
+	"""Beside stock YADE and, where it is installed, LAMMPS."""
+	twin, kind = Twin(sample, slowRate, window), name.removesuffix(f", {sample.path}")
+	others = [lambda: lammps.nanosecondsPerGrainStep(sample, parameters)] if lammps.program() else []
+	stock, packed, portable, *other = interleaved(rounds, twin.stock, twin.fused, twin.fusedPortable, *others)
+	contacts = {"contacts per grain": sample.statistics()["coordinationNumber"] / 2}
+	yield ratioOfSteps(name, twin, stock, packed, contacts, **limits)
+	yield ratioOfSteps(f"{kind}, portable", twin, stock, portable, floor=portableFloor)
+	missing = {"LAMMPS": "is not installed (Debian's package lammps)"}
+	ratio, terms = (medianRatio(other[0], packed), nanoseconds(LAMMPS=other[0], packed=packed)) if other else (math.nan, missing)
+	yield Figure(f"{kind}: LAMMPS/packed", ratio, "x", terms=terms)
 
 
 def fastSteps(sample):
@@ -69,22 +75,6 @@ def unbrokenSteps(sample):
 	stock, packed, portable = interleaved(5, twin.stock, twin.fused, twin.fusedPortable)
 	yield ratioOfSteps("bonded, no bond breaking", twin, stock, packed)
 	yield ratioOfSteps("bonded, no bond breaking, portable", twin, stock, portable)
-
-
-def spheres(sample, parameters):
-	"""Dense periodic spheres beside stock YADE and LAMMPS."""
-	twin = Twin(sample, slowRate, window=500)
-	runs = [twin.stock, twin.fused, twin.fusedPortable]
-	if lammps.program():
-		runs.append(lambda: lammps.nanosecondsPerGrainStep(sample, parameters))
-	stock, packed, portable, *other = interleaved(5, *runs)
-	contacts = {"contacts per grain": sample.statistics()["coordinationNumber"] / 2}
-	yield ratioOfSteps("spheres, frictional", twin, stock, packed, contacts, floor=25, aim=40)
-	yield ratioOfSteps("spheres, frictional, portable", twin, stock, portable)
-	if other:
-		yield Figure("spheres, frictional: LAMMPS/packed", medianRatio(other[0], packed), "x", terms=nanoseconds(LAMMPS=other[0], packed=packed))
-	else:
-		yield Figure("spheres, frictional: LAMMPS/packed", math.nan, terms={"LAMMPS": "is not installed (Debian's package lammps)"})
 
 
 def bondedSpheres(sample):
@@ -204,16 +194,20 @@ def stockIsFair(sample):
 	return f"stock YADE: O.run takes {medianRatio(run, direct):.3f} of the CPU time of the steps in the calling thread that are compared here"
 
 
-def main(path):
-	frictional, bonded = twins.frictional(400), twins.bonded(400)
-	measured = []
+def main(path, only=""):
+	frictional, measured = twins.frictional(400), []
 
 	def take(part):
 		for figure in part:
 			print(f"{figure.name}: {figure.value:.4g} {figure.unit}", flush=True)
 			measured.append(figure)
 
-	take(frictionalSteps(frictional))
+	parametersOf = lambda dimension: talik.rve.prepare(grains=400, ice=False, dimension=dimension).parameters
+	take(besideOthers(f"frictional, {frictional.path}", frictional, parametersOf(2), 2000, portableFloor=10, floor=30, aim=40))
+	take(besideOthers("spheres, frictional", twins.frictional(400, dimension=3), parametersOf(3), 500, floor=25, aim=40))
+	if only:
+		return figures.write(path, measured, [stockIsFair(frictional)])
+	bonded = twins.bonded(400)
 	take(bondedSteps(bonded, frictional))
 	take(sampleCalls(frictional, 1e-6, 300))
 	take(sampleCalls(frictional, 1e-4, 150))
@@ -224,9 +218,8 @@ def main(path):
 	take(fastSteps(frictional))
 	take(unbrokenSteps(bonded))
 	take(sizes())
-	take(spheres(twins.frictional(400, dimension=3), talik.rve.prepare(grains=400, ice=False, dimension=3).parameters))
 	take(bondedSpheres(twins.bonded(400, dimension=3)))
 	figures.write(path, measured, [stockIsFair(frictional)])
 
 
-main(sys.argv[1])
+main(*sys.argv[1:])

@@ -8,6 +8,9 @@ namespace yade {
 class FrictPhys : public NormShearPhys {
 public:
 	Real tangensOfFrictionAngle;
+#ifdef TALIK_YADE_2026
+	Real frictDissip;
+#endif
 
 	FrictPhys();
 	virtual ~FrictPhys();

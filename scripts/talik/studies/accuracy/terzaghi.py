@@ -33,7 +33,7 @@ def loadedColumn(settings):
 		boundaries=[wrapper.DrainedBoundary(region="surface"), wrapper.SurfaceLoad(region="surface", pressure=load)],
 		damping=0.05,
 		skeleton=wrapper.ElasticSkeleton(young=modulus, poisson=0),
-		water=wrapper.PoreWater(conductivity=conductivity, bulkModulus=water, cavitationPressure=-0.01 * water),
+		water=wrapper.PoreWater(pressure=settings["pore pressure"], conductivity=conductivity, bulkModulus=water, cavitationPressure=-0.01 * water),
 	)
 	rectangle = talik.geometry.rectangle(0, 0, mpm.gridSpacing, height)
 	talik.geometry.fill(mpm, rectangle, pointsPerCell=settings["points per cell"], porosity=porosity, pressure=load)
@@ -67,10 +67,11 @@ problem = Problem(
 	title="Consolidation of a loaded column, drained at its top",
 	norm="rms over 8 heights and T_v = 0.1, 0.2, 0.5, 0.8 of the pressure over the load",
 	reference="Terzaghi, incompressible water",
-	standard={"cells": 10, **ground.standard, "bulk modulus of water": 2.2e8},
+	standard={"cells": 10, **ground.standard, "bulk modulus of water": 2.2e8, "pore pressure": "explicit"},
 	sweeps={"cells": (40,), **ground.sweeps, "bulk modulus of water": (2.2e9,)},
 	quick={"cells": (5, 20), **ground.quick, "bulk modulus of water": (2.2e7,)},
 	pairs=(("cells", "bulk modulus of water"),),
+	together=tuple({"cells": cells, "bulk modulus of water": 2.2e9, "pore pressure": "implicit"} for cells in (5, 10, 20)),
 	run=run,
 	error=rootMeanSquare,
 	exact=lambda: np.concatenate([exactPressure(heights, factor) for factor in timeFactors]),
