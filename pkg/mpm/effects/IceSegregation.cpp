@@ -166,6 +166,15 @@ template <int D> struct IceSegregation<D>::Row {
 		return -1;
 	}
 
+	/// The next colder cell behind one; or -1. Temperatures of cells of one lens differ by noise.
+	int colderBehind(int cell) const
+	{
+		int next = behindOf(cell);
+		while (next >= 0 && frozen(of.cells_[next]) && !(of.cells_[next].depth < of.cells_[cell].depth))
+			next = behindOf(next);
+		return next >= 0 && of.cells_[next].depth < of.cells_[cell].depth ? next : -1;
+	}
+
 	/// Where the water goes that the first cell gives: the frozen cell there, the cell itself if the front stands in it and no ground lies behind, or -1.
 	int destination() const
 	{
@@ -212,6 +221,9 @@ template <int D> struct IceSegregation<D>::Row {
 		return std::max(byIce, 0.5 * (low + high));
 	}
 
+	/// How many cells behind the first one another is.
+	int cellsTo(int cell) const { return (cell - from) / (side * grid.cellStride(axis)); }
+
 	/// Ice saturation of ground so far below T_f [K], < 0.
 	double fullIce(int cell, double depth) const
 	{
@@ -222,7 +234,7 @@ template <int D> struct IceSegregation<D>::Row {
 	/// The wall or surface of a cell on the side.
 	Outside outside(int cell) const
 	{
-		if ((cell - from) / (side * grid.cellStride(axis)) > farthestSurface) return { NAN, 0.0 };
+		if (cellsTo(cell) > farthestSurface) return { NAN, 0.0 };
 		int corner = 0;
 		for (int a = 0; a < D; ++a)
 			corner += (grid.place(cell, a) + 1 + (a == axis && side > 0)) * grid.nodeStride(a); // node 0 is a ghost
@@ -270,9 +282,9 @@ template <int D> struct IceSegregation<D>::Row {
 	{
 		constexpr int most     = 3; // cells of the line
 		int           unfrozen = from;
-		int           second   = behindOf(first);
-		if (second < 0 && (unfrozen == first || !std::isnan(outside(first).depth))) return atSurface(first);
-		const bool   falls = second >= 0 && of.cells_[second].depth < of.cells_[first].depth;
+		int           second   = colderBehind(first);
+		if (behindOf(first) < 0 && (unfrozen == first || !std::isnan(outside(first).depth))) return atSurface(first);
+		const bool   falls = second >= 0;
 		const double h     = grid.spacing(),
 		             part  = falls ? frozenPart(unfrozen, first, second) : std::max(0.25, icePart(unfrozen, first, 2.0 * of.cells_[first].depth));
 		double       front = placeOfFront(first, part);
@@ -285,17 +297,16 @@ template <int D> struct IceSegregation<D>::Row {
 		}
 		const int  reference = second;
 		const auto formsIce  = [&](int third) { // in the second
-                        return third >= 0 && of.cells_[third].depth < of.cells_[second].depth
-                                && !(of.cells_[second].ice > 0.5 * of.cells_[second].volume * fullIce(second, of.cells_[third].depth));
+                        return third >= 0 && !(of.cells_[second].ice > 0.5 * of.cells_[second].volume * fullIce(second, of.cells_[third].depth));
 		};
-		for (int third; formsIce(third = behindOf(second));) {
+		for (int third; formsIce(third = colderBehind(second));) {
 			unfrozen = first;
 			first    = second;
 			second   = third;
 			front    = placeOfFront(first, frozenPart(unfrozen, first, second));
 		}
 		double moment = 0.0, square = 0.0, coldest = 0.0;
-		for (int c = second, k = 0; k < most && c >= 0 && of.cells_[c].depth < coldest; ++k, c = behindOf(c)) {
+		for (int c = second, k = 0; k < most && c >= 0; ++k, c = colderBehind(c)) {
 			const double distance = side * (of.cells_[c].middle[axis] - front);
 			coldest               = of.cells_[c].depth;
 			moment -= coldest * distance;
@@ -342,17 +353,14 @@ template <int D> struct IceSegregation<D>::Row {
 		return next < 0 || frozen(of.cells_[next]) ? -1 : next;
 	}
 
-	/// The cell with the lens of a front, whose temperature less T_f is lens [K]: the first frozen one or one behind it.
-	int cellOfLens(int first, double lens) const
+	/// The cell with the lens of a front, whose temperature less T_f is lens [K]: the first frozen one or one behind it. Ground behind a lens has one
+	/// gradient, and the lens lies on its line.
+	int cellOfLens(int first, double lens, double gradient) const
 	{
-		int cell = first;
-		for (int k = 0; k < farthestLens; ++k) {
-			const int next = behindOf(cell);
-			// at the face between them
-			if (next < 0 || !(of.cells_[next].depth < of.cells_[cell].depth) || !(0.5 * (of.cells_[cell].depth + of.cells_[next].depth) > lens))
-				break;
+		int        cell = first;
+		const auto at   = [&](int next) { return of.cells_[next].depth + gradient * side * (of.cells_[next].middle[axis] - placeOfFront(next, 1.0)); };
+		for (int next; (next = colderBehind(cell)) >= 0 && cellsTo(next) < farthestBehind && at(next) > lens;) // at the face of the next cell
 			cell = next;
-		}
 		return cell;
 	}
 
@@ -360,7 +368,7 @@ template <int D> struct IceSegregation<D>::Row {
 	/// Near a surface, where cells are filled in part, the heat that leaves there tells the gradient; of surfaces ranks know less far than of cells.
 	void seeFrom(int lens, SegregationPotential::Front& front) const
 	{
-		const int     next = behindOf(lens), second = next < 0 ? -1 : behindOf(next);
+		const int     next = colderBehind(lens), second = next < 0 ? -1 : colderBehind(next);
 		const int     last      = second >= 0 ? second : next >= 0 ? next : lens;
 		const bool    atSurface = behindOf(last) < 0;
 		const Outside beyond    = atSurface ? outside(last) : Outside { NAN, 0.0 };
@@ -372,13 +380,14 @@ template <int D> struct IceSegregation<D>::Row {
 		front.ice      = fullIce(lens, next < 0 ? front.coldest : of.cells_[next].depth);
 	}
 
-	/// That comes through the unfrozen ground to the front [W/m^2].
+	/// That comes through the unfrozen ground to the front [W/m^2]. The last unfrozen cell may have its temperature from ice in it.
 	double heatBefore() const
 	{
-		const int warmer = beside(from, axis, -side);
-		if (warmer < 0) return 0.0;
-		const double distance = side * (of.cells_[from].middle[axis] - of.cells_[warmer].middle[axis]);
-		return of.cells_[warmer].conductivity * std::max(0.0, (of.cells_[warmer].depth - of.cells_[from].depth) / distance);
+		const int next = beside(from, axis, -side);
+		if (next < 0) return 0.0;
+		const int    before = beside(next, axis, -side), warm = before < 0 ? next : before, cold = before < 0 ? from : next;
+		const double distance = side * (of.cells_[cold].middle[axis] - of.cells_[warm].middle[axis]);
+		return of.cells_[warm].conductivity * std::max(0.0, (of.cells_[warm].depth - of.cells_[cold].depth) / distance);
 	}
 
 	/// Water that the first cell and its second source give in the step to the one with the lens, eq. (26.4): 0 unless a front lies beside it.
@@ -405,7 +414,7 @@ template <int D> struct IceSegregation<D>::Row {
 		int  lens      = first;
 		// what stands behind the lens depends on where it lies, which depends on that
 		for (int k = 0; k < 2 && first != from && intake.lens < 0.0; ++k) {
-			lens = cellOfLens(first, intake.lens);
+			lens = cellOfLens(first, intake.lens, f.gradient);
 			if (lens == first) break;
 			seeFrom(lens, f);
 			const auto seen = soil.intake(f);

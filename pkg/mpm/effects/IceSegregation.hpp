@@ -94,9 +94,9 @@ private:
 	static bool frozen(const Cell& c) { return c.frozen; }
 	/// What freezes less than this below T_f is noise of the temperature [K].
 	static constexpr double barely = 1e-6;
-	/// Cells with ground behind the first frozen one in which a lens may lie; what lies farther from the last unfrozen cell than so many is not looked at:
-	/// ranks know as many rows, and one for its second source. With 3 the heaving pressure is 29 % low.
-	static constexpr int farthestLens = 3, farthestBehind = 6;
+	/// What lies farther from the last unfrozen cell than so many cells is not looked at, and the lens lies nearer: ranks know seven rows, up to those two
+	/// cells before the front whose heat comes to it. With 3 the heaving pressure is 29 % low.
+	static constexpr int farthestBehind = 6;
 	/// Cells behind the last unfrozen one whose surface is looked at: of nodes ranks know fewer rows.
 	static constexpr int farthestSurface = 2;
 	/// With a measured potential ground of a smaller ice saturation gives its water away as if it were not frozen: where ice forms over a range of
