@@ -12,23 +12,11 @@ AffineVelocity<D>::AffineVelocity(PointFields& fields, VelocityTransfer transfer
 
 template <int D> void AffineVelocity<D>::map(const Grid<D>& grid, const WeightBlock<D>& w, SolidMotion<D>& motion) const
 {
-	for (int k = 0; k < w.count; ++k) {
-		const int  p    = w.first + k;
-		const auto arms = armsOf(w, k, grid.spacing());
-		double     momentum[D][D];
-		for (int i = 0; i < D; ++i)
-			for (int j = 0; j < D; ++j)
-				momentum[i][j] = motion.mass[p] * gradient[i * D + j][p];
-		overSupport(w, k, [&](int node, double s, const Vec<D>&, const std::array<int, D>& index) {
-			double* r = motion.nodes[node] + motion.momentumAt;
-			for (int i = 0; i < D; ++i) {
-				double sum = 0.0;
-				for (int j = 0; j < D; ++j)
-					sum += momentum[i][j] * arms[j].distance[index[j]];
-				r[i] += s * sum;
-			}
+	for (int k = 0; k < w.count; ++k)
+		overMomenta(grid, w, k, motion.mass[w.first + k], [&](int node, const Vec<D>& momentum) {
+			for (int i = 0; i < D; ++i)
+				motion.nodes[node][motion.momentumAt + i] += momentum[i];
 		});
-	}
 }
 
 template <int D> void AffineVelocity<D>::gather(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const
