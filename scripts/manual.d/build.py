@@ -19,7 +19,7 @@ import reference  # noqa: E402: the folder beside this script
 
 from sphinx.cmd.build import main as sphinx  # noqa: E402
 
-pagesOfRepository = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "LICENSE", "examples", "pkg")
+pagesOfRepository = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", ".codemeta.json", "LICENSE", "examples", "pkg")
 
 
 def gallery():
