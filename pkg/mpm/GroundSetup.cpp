@@ -384,7 +384,7 @@ template <int D> void Ground<D>::initialise()
 	}
 	g.useScale();
 	for (int p = g.points->strips().firstPoint(); g.water && p < g.points->strips().endPoint(); ++p)
-		g.water->drag[p] /= g.content->seepageScale(p);
+		g.water->drag[p] = g.content->scaledDrag(p, g.water->drag[p], g.water->liquidFraction[p]);
 	g.given.at = nullptr;
 	g.given.list.clear();
 	g.given.list.shrink_to_fit();

@@ -47,7 +47,7 @@ GroundSettings<2> blockSettings(const BlockScene& c)
 	return s;
 }
 
-Ground<2> blockOf(const GroundSettings<2>& s, double speed)
+Ground<2> blockOf(const GroundSettings<2>& s, double speed, double temperature = 5.0)
 {
 	Ground<2> ground(s);
 	for (int j = 0; j < 4; ++j)
@@ -55,7 +55,7 @@ Ground<2> blockOf(const GroundSettings<2>& s, double speed)
 			PointInput<2> p;
 			p.position    = { 0.5 + (i + 0.5) * 0.125, 0.5 + (j + 0.5) * 0.125 };
 			p.volume      = 0.125 * 0.125;
-			p.temperature = 5.0;
+			p.temperature = temperature;
 			p.velocity    = { speed, 0.0 };
 			ground.addPoint(p);
 		}
@@ -255,13 +255,34 @@ TEST(MpmCalendar, SeepageFollowsTheCalendarUpToWhatPressureAtRestNeedsAndAnOwnSc
 	std::printf("silt x %g, sand x %g, gravel x %g; up to %.3g m/s\n", silt, scaleOf(1e5, 1e-4, NAN).first, scaleOf(1e5, 1.0, NAN).first, limit);
 	EXPECT_DOUBLE_EQ(silt, 1e5);
 	EXPECT_DOUBLE_EQ(scaleOf(1e5, 1e-4, NAN).first, limit / 1e-4);
-	EXPECT_DOUBLE_EQ(scaleOf(1.0, 1e-2, NAN).first, 1.0);                  // what sand has by nature is left as it is
-	EXPECT_DOUBLE_EQ(scaleOf(1e5, 1.0, NAN).first, std::max(limit, 1e-2)); // gravel is not
-	EXPECT_DOUBLE_EQ(scaleOf(1.0, 1.0, 1.0).first, std::max(limit, 1e-2));
+	EXPECT_DOUBLE_EQ(scaleOf(1.0, 1e-2, NAN).first, 1.0);  // what sand has by nature is left as it is
+	EXPECT_DOUBLE_EQ(scaleOf(1e5, 1.0, NAN).first, limit); // gravel is not
+	EXPECT_DOUBLE_EQ(scaleOf(1.0, 1.0, 1.0).first, limit);
 	EXPECT_DOUBLE_EQ(scaleOf(1e5, 1e-9, 7.0).first, 7.0);
 	EXPECT_DOUBLE_EQ(scaleOf(0.5, 1e-4, NAN).first, 0.5);
 	EXPECT_LT(limit / (0.4 * 9.81), 0.02); // [s], in which water comes to rest against its inertia
 	EXPECT_GT(limit, 1e-3);
+}
+
+TEST(MpmCalendar, FrozenGroundConductsWaterInItsNaturalRatioToThaw)
+{
+	// 10^(-6 S_i) of sand at -1 degC is far below the limit, sand without ice at f_H = 1e5 far above it
+	const auto drag = [](double temperature, double scale) {
+		BlockScene c;
+		c.follows = false, c.wet = true, c.fast = scale;
+		auto s           = blockSettings(c);
+		s.freezing       = makeFreezingCurve();
+		Ground<2> ground = blockOf(s, 0.0, temperature);
+		ground.step(1e-6);
+		std::vector<double> drag(ground.points().count());
+		ground.copyById("drag", 0, drag.data());
+		return std::pair<double, double>(drag[0], ground.largestConductivity());
+	};
+	const double frozen = drag(-1.0, 1.0).first / drag(-1.0, 1e5).first, thawed = drag(5.0, 1.0).first / drag(5.0, 1e5).first;
+	const double due = drag(5.0, 1.0).second / 1e-4;
+	std::printf("drag falls by %.6g in frozen ground (due 1e5), by %.6g in thawed ground (due %.6g)\n", frozen, thawed, due);
+	EXPECT_NEAR(frozen / 1e5, 1.0, 1e-6);
+	EXPECT_NEAR(thawed / due, 1.0, 1e-6);
 }
 
 TEST(MpmCalendar, SameBitsForAnyNumberOfThreadsAndThroughACheckpointInTheMidstOfASlide)

@@ -283,8 +283,10 @@ def slope(angle, h, law, thickness, temperature, table, material=None, **setting
 	return run(mpm)
 
 
-@pytest.mark.parametrize("pressure, h, most", [("implicit", 0.25, 5), pytest.param("implicit", 0.125, 6, id="fine_slow"), ("explicit", 0.25, 20)])
-def test_a_slope_with_thaw_strain_and_a_factor_of_safety_of_one_and_a_half_stands_while_it_thaws(pressure, h, most):
+@pytest.mark.parametrize(
+	"pressure, h, most, rest", [("implicit", 0.25, 5, 1), pytest.param("implicit", 0.125, 6, 1, id="fine_slow"), ("explicit", 0.25, 20, 5)]
+)
+def test_a_slope_with_thaw_strain_and_a_factor_of_safety_of_one_and_a_half_stands_while_it_thaws(pressure, h, most, rest):
 	"""By hand F is 1.55 when 0.5 m have thawed: 15 degrees, excess pressure of 1.1 kPa at the front."""
 	mpm = slope(
 		15,
@@ -303,9 +305,9 @@ def test_a_slope_with_thaw_strain_and_a_factor_of_safety_of_one_and_a_half_stand
 	later = yearsOfRest(mpm).max()
 	print(
 		f"{pressure}, h {h} m: thawed {thawed:.2f} m, path of the surface along the slope {path:.2f} mm; F 1.55: due 0, tolerance {most} mm; "
-		f"in a year of rest {later:.3f} mm (0, 1)"
+		f"in a year of rest {later:.3f} mm (0, {rest})"
 	)
-	assert 0.35 < thawed < 0.8 and abs(path) < most and later < 1
+	assert 0.35 < thawed < 0.8 and abs(path) < most and later < rest
 
 
 @pytest.mark.parametrize("cohesion", [4e3, 1e3])

@@ -52,12 +52,13 @@ template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points)
 
 template <int D> SeepageScales PoreContent<D>::useScale(double f, const PoreWater<D>& water)
 {
-	const double  first = water.usedScale(f, materials_.front().permeability);
-	SeepageScales all { first, first };
-	for (Material& m : materials_) {
-		m.seepageScale = water.usedScale(f, m.permeability);
-		all.smallest   = std::min(all.smallest, m.seepageScale);
-		all.largest    = std::max(all.largest, m.seepageScale);
+	seepageScale_        = water.wantedScale(f);
+	largestConductivity_ = water.largestConductivity;
+	SeepageScales all { seepageScale_, 0.0 };
+	for (const Material& m : materials_) {
+		const double used = std::min(seepageScale_, largestConductivity_ / m.permeability.referenceConductivity);
+		all.smallest      = std::min(all.smallest, used);
+		all.largest       = std::max(all.largest, used);
 	}
 	return all;
 }
@@ -235,7 +236,7 @@ template <int D> void PoreContent<D>::correctForExcessIce(const Block& b, const 
 {
 	const MixtureProperties& m   = b.of->mixture;
 	Permeability             law = b.of->permeability;
-	law.hydraulicTimeScale *= b.of->seepageScale;
+	law.hydraulicTimeScale *= seepageScale_;
 	for (int k = 0; k < b.count; ++k) {
 		const int p = b.first + k;
 		if (!(excessVolume_[p] > 0.0)) continue;
@@ -244,8 +245,8 @@ template <int D> void PoreContent<D>::correctForExcessIce(const Block& b, const 
 		const double held = excessIce_[p] / m.ice.density, soil = volume_[p] - held, n = (b.poreVolume[k] - held) / soil;
 		const double liquid = (waterMass[p] - b.ice[k]) / m.liquid.density / soil;
 		const double fill   = std::min(1.0, liquid / (n * b.liquidSaturation[k]));
-		water.drag[p]       = law.dragAt(
-		              waterMass[p] - b.ice[k], water.liquidFraction[p], std::max(law.floor, fill * fill * fill) * law.conductivity(n, b.liquidSaturation[k]));
+		const double open   = std::max(law.floor, fill * fill * fill);
+		water.drag[p]       = law.dragAt(waterMass[p] - b.ice[k], water.liquidFraction[p], open * reached(law.conductivity(n, b.liquidSaturation[k])));
 	}
 }
 
@@ -372,8 +373,8 @@ template <int D> void PoreContent<D>::updateIce(const Block& b)
 template <int D> void PoreContent<D>::updateDrag(const Block& b, const OfWater& water) const
 {
 	Permeability law = b.of->permeability;
-	law.hydraulicTimeScale *= b.of->seepageScale;
-	const double        perDensity     = 1.0 / b.of->mixture.liquid.density;
+	law.hydraulicTimeScale *= seepageScale_;
+	const double        perDensity = 1.0 / b.of->mixture.liquid.density, largest = largestConductivity_;
 	const double* const contents       = waterMass + b.first;
 	const double* const n              = porosity + b.first;
 	const double* const volume         = volume_ + b.first;
@@ -390,7 +391,7 @@ template <int D> void PoreContent<D>::updateDrag(const Block& b, const OfWater& 
 	}
 #pragma GCC ivdep
 	for (int k = 0; k < b.count; ++k)
-		drag[k] = law.dragAt(contents[k] - b.ice[k], liquidFraction[k], open[k] * law.conductivity(n[k], b.liquidSaturation[k]));
+		drag[k] = law.dragAt(contents[k] - b.ice[k], liquidFraction[k], open[k] * std::min(largest, law.conductivity(n[k], b.liquidSaturation[k])));
 }
 
 template <int D> bool PoreContent<D>::allPossible(const Block& b) const

@@ -119,10 +119,13 @@ public:
 	double thawedOpening(int place) const
 	{
 		const Material& m = of(place);
-		return m.seepageScale * m.permeability.conductivity(porosity[place], 1.0) * m.mixture.liquid.density / Permeability::gravity;
+		return reached(seepageScale_ * m.permeability.conductivity(porosity[place], 1.0)) * m.mixture.liquid.density / Permeability::gravity;
 	}
-	/// f_H in force at a point [-].
-	double seepageScale(int place) const { return of(place).seepageScale; }
+	/// Drag [kg/s] of a place whose drag was found without f_H.
+	double scaledDrag(int place, double drag, double liquidFraction) const
+	{
+		return std::max(drag / seepageScale_, Permeability::dragAt(liquidMass(place), liquidFraction, largestConductivity_));
+	}
 	double smallestReferencePorosity() const;
 
 	double *solidMass = nullptr, *waterMass = nullptr, *porosity = nullptr;
@@ -135,10 +138,11 @@ public:
 		MixtureProperties mixture;
 		EnthalpyModel     enthalpy;
 		Permeability      permeability;
-		double            seepageScale = 1.0; ///< f_H in this step [-]
 	};
 
 private:
+	/// Conductivity in force of ground that f_H gives k [m/s], see PoreWater::largestConductivity.
+	double                        reached(double k) const { return std::min(k, largestConductivity_); }
 	const Material&               of(int place) const { return materials_[points_->material(place)]; }
 	void                          choosePoints(Block& b, int last) const;
 	void                          load(Block& b, const double* temperature) const;
@@ -163,12 +167,14 @@ private:
 
 	const GroundSettings<D>* settings_;
 	std::vector<Material>    materials_; ///< one where the settings list none
-	MaterialPoints<D>*       points_       = nullptr;
-	double*                  volume_       = nullptr;
-	const double*            excessVolume_ = nullptr; ///< see holdExcessIce; null: there is none
-	double*                  excessIce_    = nullptr;
-	double*                  lastVolume_   = nullptr; ///< of the last update, in the rate form of pressure only
-	double*                  lastWater_    = nullptr;
+	MaterialPoints<D>*       points_              = nullptr;
+	double*                  volume_              = nullptr;
+	const double*            excessVolume_        = nullptr; ///< see holdExcessIce; null: there is none
+	double*                  excessIce_           = nullptr;
+	double                   seepageScale_        = 1.0;                                     ///< f_H in this step [-]
+	double                   largestConductivity_ = std::numeric_limits<double>::infinity(); ///< see PoreWater [m/s]
+	double*                  lastVolume_          = nullptr;                                 ///< of the last update, in the rate form of pressure only
+	double*                  lastWater_           = nullptr;
 };
 
 } // namespace talik

@@ -337,13 +337,6 @@ template <int D> void PoreWater<D>::chooseLargestConductivity(double smallestRef
 	largestConductivity = std::isnan(given) ? longestRest * smallestReferencePorosity * Permeability::gravity : given;
 }
 
-template <int D> double PoreWater<D>::usedScale(double f, const Permeability& material) const
-{
-	const double wanted = std::isnan(settings->hydraulicTimeScale) ? f : settings->hydraulicTimeScale;
-	const double k = material.referenceConductivity, largest = largestConductivity / k;
-	return std::min(wanted, std::max(std::min(1.0, untouched / k), largest));
-}
-
 template <int D> void PoreWater<D>::leave(int node, double mass, double heat, double liquidDensity, StepLedger<D>& ledger)
 {
 	double*         r       = exchange[node];

@@ -170,17 +170,15 @@ public:
 	NodeField<Gathered::size>        exchange;
 
 	SeepageScales scales { 1.0, 1.0 }; ///< in this step; the smallest multiplies what is fed in
-	/// Water is accelerated up to this conductivity [m/s] and no further: what it does against its inertia then dies out within an eightieth
-	/// of a second, and its pressure is at rest soon after; beyond, it would swing in grains that hardly hold it. Ground whose own
-	/// conductivity is larger takes this or untouched, whichever is larger.
-	static constexpr double untouched = 1e-2;
 	/// What accelerated water does against its inertia dies out within k/(n g), whatever the ground is like: within this time [s]. What its
 	/// points have and no node sees would not, by drag at the nodes, and would throw the last water out of ground that runs dry.
-	static constexpr double longestRest         = 0.0125;
-	double                  largestConductivity = std::numeric_limits<double>::infinity();
-	void                    chooseLargestConductivity(double smallestReferencePorosity);
-	/// f_H in force in a material where slow processes run f times as fast as motion: it multiplies its conductivity.
-	double usedScale(double f, const Permeability& material) const;
+	static constexpr double longestRest = 0.0125;
+	/// Ground conducts water as its porosity, ice and fill let it times f_H, up to this conductivity [m/s] and no further: what water does against its
+	/// inertia then dies out within an eightieth of a second; beyond, it would swing in grains that hardly hold it.
+	double largestConductivity = std::numeric_limits<double>::infinity();
+	void   chooseLargestConductivity(double smallestReferencePorosity);
+	/// f_H where slow processes run f times as fast as motion [-]
+	double wantedScale(double f) const { return std::isnan(settings->hydraulicTimeScale) ? f : settings->hydraulicTimeScale; }
 
 private:
 	/// What the points of a cell sum up to, and what follows from it in a step. Means are sums first, until all points were added.

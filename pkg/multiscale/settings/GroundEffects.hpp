@@ -69,7 +69,7 @@ public:
 			"between water and grains is implicit on the nodes, so that permeability does not limit the time step. Example: "
 			"PoreWater(conductivity=1e-4,bulkModulus=2.2e7).",
 		((Real,conductivity,1e-4,,"Saturated hydraulic conductivity k of thawed ground at referencePorosity [m/s], > 0. Larger values than 12.5 ms * g * "
-				"referencePorosity, 0.049 by default (1e-2 at least), are lowered to that, with a warning; pressure then comes to rest within a fraction of a second. "
+				"referencePorosity, 0.049 by default, are lowered to that, with a warning; pressure then comes to rest within a fraction of a second. "
 				"MpmEngine.calendar['largestConductivity'] has the limit in force."))
 		((Real,referencePorosity,0.4,,"Porosity at which conductivity holds [-]. At other porosities it follows Kozeny-Carman."))
 		((Real,impedance,6,,"Omega [-], >= 0: ice reduces the conductivity by the factor 10^(-Omega S_i), but no further than by 1e-6."))
