@@ -113,9 +113,6 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfPoints() const
 	return result;
 }
 
-template StableTimeStep Ground<2>::stableTimeStep() const;
-template StableTimeStep Ground<3>::stableTimeStep() const;
-template StableTimeStep Ground<2>::Parts::limitsOfPoints() const;
-template StableTimeStep Ground<3>::Parts::limitsOfPoints() const;
+TALIK_IN_PLANE_AND_SPACE(Ground);
 
 } // namespace talik

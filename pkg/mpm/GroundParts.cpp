@@ -104,20 +104,9 @@ template <int D> void Ground<D>::Parts::locateInCells()
 	bBar.finish(ranks.owned(), *cells);
 	if (!water) return;
 	water->finishPressure(halo);
-	water->findDrivingPressure(grid, halo, *cells, motion->settings->gravity, liquidDensity());
+	water->findDrivingPressure(grid, halo, *cells);
 }
 
-template typename PoreContent<2>::PointArrays Ground<2>::Parts::contentOf() const;
-template typename PoreContent<3>::PointArrays Ground<3>::Parts::contentOf() const;
-template void                                 Ground<2>::Parts::sort();
-template void                                 Ground<2>::Parts::followDivision(const std::vector<int>&);
-template void                                 Ground<2>::Parts::afterReordering(bool);
-template void                                 Ground<2>::Parts::clearNodes();
-template void                                 Ground<2>::Parts::locateInCells();
-template void                                 Ground<3>::Parts::sort();
-template void                                 Ground<3>::Parts::followDivision(const std::vector<int>&);
-template void                                 Ground<3>::Parts::afterReordering(bool);
-template void                                 Ground<3>::Parts::clearNodes();
-template void                                 Ground<3>::Parts::locateInCells();
+TALIK_IN_PLANE_AND_SPACE(Ground);
 
 } // namespace talik

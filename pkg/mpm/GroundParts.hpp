@@ -296,12 +296,9 @@ template <int D> struct Ground<D>::Parts {
 	double signalSpeed(int place, double modulus) const;
 	double advectionStep(int place) const;
 
-	StepTime             stepTime() const { return { clock.dt, clock.calendar.scale * clock.dt }; }
-	double               largestModulus() const;
-	double               liquidDensity() const { return settings.mixtureOf(0).liquid.density; }
-	CostMeter::Entry     base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
-	LiquidOfGround       liquid() const { return { liquidDensity(), enthalpyModel() }; }
-	const EnthalpyModel* enthalpyModel() const { return heat ? &content->enthalpyModel() : nullptr; }
+	StepTime         stepTime() const { return { clock.dt, clock.calendar.scale * clock.dt }; }
+	double           largestModulus() const;
+	CostMeter::Entry base() const { return motion ? CostMeter::motion : CostMeter::heat; } ///< who pays for what any ground needs
 };
 
 } // namespace talik

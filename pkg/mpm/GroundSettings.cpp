@@ -46,12 +46,6 @@ template <int D> void checkCalendar(const GroundSettings<D>& s)
 	requireSetting(
 	        heat.motionTolerance >= 1e-6 && heat.motionTolerance <= 1.0, "HeatTransfer.motionTolerance", heat.motionTolerance,
 	        "must lie between 1e-6 and 1 m/s, e.g. 0.01");
-	requireSetting(
-	        heat.eventSpeed >= 0.0 && std::isfinite(heat.eventSpeed), "HeatTransfer.eventSpeed", heat.eventSpeed,
-	        "must not be negative, in m/s, e.g. 1e-5");
-	requireSetting(
-	        heat.eventDisplacement > 0.0 && std::isfinite(heat.eventDisplacement), "HeatTransfer.eventDisplacement", heat.eventDisplacement,
-	        "must be positive, in m, e.g. 0.02");
 }
 
 namespace {

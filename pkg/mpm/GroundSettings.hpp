@@ -78,17 +78,15 @@ template <int D> struct MotionSettings : MotionOfAnyDimension {
 		"changed while running.")) \
 	((Real, motionTolerance, 0.01,,"v_0 [m/s], 1e-6 to 1: speed of the fastest ground at which the scale of the calendar lies half way between its two values. " \
 		"While ground with the acceleration a gains this speed, about (pi/2) thermalTimeScale v_0/a of calendar time pass. May be changed while running.")) \
-	((Real, eventSpeed, 1e-5,,"Speed in calendar time above which motion is an event [m/s], >= 0: the speed of the fastest ground divided by the scale of the " \
-		"calendar. It must also exceed motionTolerance. Ground that only settles or creeps as it thaws is slower, whatever the scale. " \
-		"1e-5 m/s is a metre a day, a moderate landslide (Cruden and Varnes 1996).")) \
-	((Real, eventDisplacement, 0.02,,"Displacement from which on a point counts as moved in an event [m], > 0. Events in which no point moves that far are " \
-		"left out.")) \
 	((Real, source, 0,,"Heat produced per volume [W/m^3]."))
 // clang-format on
 
 /// The effect of heat: enthalpy, conduction, latent heat where a freezing curve is present.
 struct HeatSettings {
 	TALIK_PARAMETERS(TALIK_HEAT_TRANSFER)
+	/// Speed in calendar time above which motion is an event [m/s], a metre a day, a moderate landslide (Cruden and Varnes 1996): ground that only settles
+	/// or creeps as it thaws is slower, whatever the scale. And displacement from which on a point counts as moved in an event [m].
+	double eventSpeed = 1e-5, eventDisplacement = 0.02;
 	/// Time constant of the damping of temperature differences that vanish at the nodes (null space of the grid); energy is conserved [s of calendar
 	/// time]. NaN (default): chosen from the grid, infinite: no damping.
 	double smoothingTime = NaN;
@@ -121,9 +119,6 @@ struct FrontConstants {
 
 /// The effect of two velocities where ground that ice holds meets ground that it does not, see ThawFront.
 struct ThawFrontSettings {
-	/// Ice saturation at and below which a point becomes thawed ground, and at and above which it is frozen ground again [-]: there the bonds of
-	/// samples are gone, and form.
-	double         thawedBelow = 0.02, frozenAbove = 0.05;
 	FrontConstants constants;
 };
 

@@ -127,7 +127,10 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (heat) heat->bind(*points, grid);
 	if (content) {
 		content->bind(*points);
-		if (water) water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
+		if (water) {
+			water->liquid = { settings.mixtureOf(0).liquid.density, heat ? &content->enthalpyModel() : nullptr };
+			water->bind(*points, grid, content->iceMass, heat ? heat->temperature : nullptr, content->waterMass);
+		}
 	}
 	if (front) front->bind(*points, grid, bool(water));
 	if (thawStrain) thawStrain->bind(*points, grid.cellCount());
@@ -392,11 +395,6 @@ template <int D> void Ground<D>::initialise()
 	g.ready = true;
 }
 
-template int  Ground<2>::addPoint(const PointInput<2>&);
-template void Ground<2>::takePoints(int, std::function<PointInput<2>(int)>);
-template void Ground<2>::initialise();
-template int  Ground<3>::addPoint(const PointInput<3>&);
-template void Ground<3>::takePoints(int, std::function<PointInput<3>(int)>);
-template void Ground<3>::initialise();
+TALIK_IN_PLANE_AND_SPACE(Ground);
 
 } // namespace talik

@@ -101,21 +101,6 @@ template <int D> StableTimeStep Ground<D>::Parts::limitsOfRanks() const
 	return result;
 }
 
-template void           Ground<2>::distribute(std::shared_ptr<Communicator>, bool);
-template bool           Ground<2>::inSlabs() const;
-template std::string    Ground<2>::Parts::refusalOfRanks() const;
-template void           Ground<2>::Parts::followSlabs(bool);
-template void           Ground<2>::Parts::keepOwnPart();
-template void           Ground<2>::Parts::sortInSlabs(bool);
-template std::string    Ground<2>::Parts::ownLimits() const;
-template StableTimeStep Ground<2>::Parts::limitsOfRanks() const;
-template void           Ground<3>::distribute(std::shared_ptr<Communicator>, bool);
-template bool           Ground<3>::inSlabs() const;
-template std::string    Ground<3>::Parts::refusalOfRanks() const;
-template void           Ground<3>::Parts::followSlabs(bool);
-template void           Ground<3>::Parts::keepOwnPart();
-template void           Ground<3>::Parts::sortInSlabs(bool);
-template std::string    Ground<3>::Parts::ownLimits() const;
-template StableTimeStep Ground<3>::Parts::limitsOfRanks() const;
+TALIK_IN_PLANE_AND_SPACE(Ground);
 
 } // namespace talik

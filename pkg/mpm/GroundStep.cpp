@@ -83,7 +83,7 @@ template <int D> void Ground<D>::updateEffectiveStress()
 	if (g.thawStrain) g.findStrainOfSoil(step);
 	if (g.motion) stop = g.updateSkeletons(step);
 	if (g.thawStrain) g.restoreStrainOfGround();
-	if (g.booksEnergy()) g.cost.time(CostMeter::ledger, [&] { g.strainWork.bookEnd(step, *g.points, *g.motion, g.water.get(), g.liquidDensity()); });
+	if (g.booksEnergy()) g.cost.time(CostMeter::ledger, [&] { g.strainWork.bookEnd(step, *g.points, *g.motion, g.water.get()); });
 	g.bookStep();
 	g.advanceClock();
 	if (g.calendar) g.cost.time(CostMeter::calendar, [&] { g.measureMotion(step); });
@@ -131,7 +131,7 @@ template <int D> void Ground<D>::Parts::findKeptFractions()
 	motion->kept   = keptFraction(settings.motion->usedPicTime(h), clock.dt);
 	if (!water) return;
 	for (int a = 0; a < D; ++a)
-		water->setWeight(grid, a, liquidDensity() * settings.motion->gravity[a]);
+		water->setWeight(grid, a, water->liquid.density * settings.motion->gravity[a]);
 	const double given = settings.water->picTime, used = std::isnan(given) ? gravityTime(h, lengthOf<D>(settings.motion->gravity)) : given;
 	water->kept = keptFraction(water->scales.largest > 1.0 ? std::min(used, water->longestRest) : used, clock.dt);
 }
@@ -171,9 +171,9 @@ template <int D> void Ground<D>::Parts::findFrontStrength()
 
 template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 {
-	using Columns                        = NodeColumns<D>;
+	using Block                          = const WeightBlock<D>&;
 	const double* const weight           = heat ? heat->carriedWeight() : nullptr;
-	const double* const weightWithMotion = Columns::Moving::carriesHeat ? weight : nullptr;
+	const double* const weightWithMotion = NodeColumns<D>::Moving::carriesHeat ? weight : nullptr;
 	passes.inBlocks(
 	        passes.toGrid,
 	        [&](HaloExchange& rows) {
@@ -187,24 +187,18 @@ template <int D> void Ground<D>::Parts::mapToGrid(const StepContext<D>& step)
 	        },
 	        [](int, int, int) {},
 	        PassPart { motion && motion->addedStress, CostMeter::motion,
-	                   [&](const WeightBlock<D>& w, double*) {
-		                   bBar.findAddedStress(averagingCells(), *points, *motion, water.get(), w.first, w.first + w.count);
-	                   } },
-	        PassPart { !stressingEffects.empty(), CostMeter::motion,
-	                   [&](const WeightBlock<D>& w, double*, CostMeter::Sample& sample) { addStress(step, w, sample); } },
+	                   [&](Block w, double*) { bBar.findAddedStress(averagingCells(), *points, *motion, water.get(), w.first, w.first + w.count); } },
+	        PassPart { !stressingEffects.empty(), CostMeter::motion, [&](Block w, double*, CostMeter::Sample& sample) { addStress(step, w, sample); } },
 	        PassPart { bool(motion), CostMeter::motion,
-	                   [&](const WeightBlock<D>& w, double*) {
-		                   motion->map(w, weightWithMotion, weight ? heat->temperature : nullptr, weight ? heat->reference : 0.0);
-	                   } },
-	        PassPart { settings.axisymmetric && motion, CostMeter::motion, [&](const WeightBlock<D>& w, double*) { motion->mapHoop(meanOfFaces(w)); } },
-	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->map(grid, w, *motion); } },
-	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->map(step, w, pointsOfFront(), affine.get()); } },
-	        PassPart { motion && weighs() && fillsCells, CostMeter::motion, [&](const WeightBlock<D>& w, double*) { mapWeight(w); } },
-	        PassPart { bool(water), CostMeter::water,
-	                   [&](const WeightBlock<D>& w, double*) { water->map(w, averagingCells(), weight, weight ? heat->reference : 0.0); } },
-	        PassPart { bool(heat), CostMeter::heat, [&](const WeightBlock<D>& w, double*) { heat->map(w); } },
-	        PassPart { implicit && implicit->isFed(), CostMeter::water, [&](const WeightBlock<D>& w, double*) { implicit->map(w, *cells, *content); } },
-	        PassPart { bool(surface), CostMeter::surface, [&](const WeightBlock<D>& w, double*) { mapSurface(w); } });
+	                   [&](Block w, double*) { motion->map(w, weightWithMotion, weight ? heat->temperature : nullptr, weight ? heat->reference : 0.0); } },
+	        PassPart { settings.axisymmetric && motion, CostMeter::motion, [&](Block w, double*) { motion->mapHoop(meanOfFaces(w)); } },
+	        PassPart { bool(affine), CostMeter::transfer, [&](Block w, double*) { affine->map(grid, w, *motion); } },
+	        PassPart { bool(front), CostMeter::front, [&](Block w, double*) { front->map(step, w, pointsOfFront(), affine.get()); } },
+	        PassPart { motion && weighs() && fillsCells, CostMeter::motion, [&](Block w, double*) { mapWeight(w); } },
+	        PassPart { bool(water), CostMeter::water, [&](Block w, double*) { water->map(w, averagingCells(), weight, weight ? heat->reference : 0.0); } },
+	        PassPart { bool(heat), CostMeter::heat, [&](Block w, double*) { heat->map(w); } },
+	        PassPart { implicit && implicit->isFed(), CostMeter::water, [&](Block w, double*) { implicit->map(w, *cells, *content); } },
+	        PassPart { bool(surface), CostMeter::surface, [&](Block w, double*) { mapSurface(w); } });
 }
 
 template <int D> void Ground<D>::Parts::mapWeight(const WeightBlock<D>& w)
@@ -311,8 +305,7 @@ template <int D> void Ground<D>::Parts::solveMomentum(const StepContext<D>& step
 		const std::function<void()> change = implicit ? correct : std::function<void()>();
 		momentum->solve(step, *motion, water.get(), front.get(), settings.energyLedger && !implicit, change);
 		const double mass = clock.initialMass - clock.account.waterOut;
-		for (int a = 0; a < D; ++a)
-			clock.account.impulse[a] += step.dt * mass * motion->settings->gravity[a];
+		clock.account.impulse += step.dt * mass * motion->settings->gravity;
 	});
 }
 
@@ -332,10 +325,10 @@ template <int D> void Ground<D>::Parts::seep(const StepContext<D>& step)
 {
 	if (implicit) return water->finishExchange(step.owned);
 	passes.scatter(
-	        passes.seepage, [&](const WeightBlock<D>& w) { water->seep(w, step.dt, liquidDensity(), enthalpyModel()); },
+	        passes.seepage, [&](const WeightBlock<D>& w) { water->seep(w, step.dt); },
 	        [&](HaloExchange& rows) { rows.nodes(water->exchange, PoreWater<D>::exchangeSize); });
 	overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
-		water->drain(step, patch, boundary.recharges(), liquid(), heat ? &heat->mapped : nullptr);
+		water->drain(step, patch, boundary.recharges(), heat ? &heat->mapped : nullptr);
 	});
 	feedWater(step);
 	if (settings.energyLedger)
@@ -343,7 +336,7 @@ template <int D> void Ground<D>::Parts::seep(const StepContext<D>& step)
 			double work = 0.0;
 			for (int i = first; i < last; ++i)
 				if (ledger.counts(i)) work += water->pressureAtNode(i) * water->exchange[i][PoreWater<D>::Gathered::water];
-			ledger.ofRows(first).porePressureWork += strainWork.pressureAtStart * work / liquidDensity();
+			ledger.ofRows(first).porePressureWork += strainWork.pressureAtStart * work / water->liquid.density;
 		});
 	water->finishExchange(step.owned);
 }
@@ -351,7 +344,7 @@ template <int D> void Ground<D>::Parts::seep(const StepContext<D>& step)
 template <int D> void Ground<D>::Parts::feedWater(const StepContext<D>& step)
 {
 	overSurfaces(&Boundary<D>::feeds, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
-		water->feed(step, patch, boundary.inflow(step.calendarEnd), boundary.inflowTemperature(), liquid(), heat ? &heat->mapped : nullptr);
+		water->feed(step, patch, boundary.inflow(step.calendarEnd), boundary.inflowTemperature(), heat ? &heat->mapped : nullptr);
 	});
 }
 
@@ -359,11 +352,11 @@ template <int D> void Ground<D>::Parts::feedWater(const StepContext<D>& step)
 template <int D> void Ground<D>::Parts::findImplicitPressure(const StepContext<D>& step)
 {
 	feedWater(step);
-	implicit->beginFlow(step, *water, liquidDensity());
+	implicit->beginFlow(step, *water);
 	overSurfaces(&Boundary<D>::drains, [&](const Boundary<D>& boundary, SurfacePatch<D>& patch) {
 		implicit->drain(step, patch, boundary.pressure(step.calendarEnd), boundary.recharges());
 	});
-	implicit->solve(step, *momentum, *motion, *water, liquidDensity());
+	implicit->solve(step, *momentum, *motion, *water);
 	if (settings.energyLedger) implicit->bookDissipation(step);
 }
 
@@ -371,6 +364,7 @@ template <int D> void Ground<D>::Parts::findImplicitPressure(const StepContext<D
 
 template <int D> void Ground<D>::Parts::gatherFromGrid(const StepContext<D>& step)
 {
+	using Block        = const WeightBlock<D>&;
 	const bool average = averaging(), inRecordOfWater = heat && water && NodeColumns<D>::Gathered::carriesIncrement,
 	           inRecordOfMotion = heat && motion && NodeColumns<D>::Solved::carriesIncrement;
 	if (average) cells->clearSums(step.halo);
@@ -386,18 +380,16 @@ template <int D> void Ground<D>::Parts::gatherFromGrid(const StepContext<D>& ste
 		        if (motion) positions.bound(*points, strip, first, last);
 	        },
 	        PassPart { bool(water), CostMeter::water,
-	                   [&](const WeightBlock<D>& w, double* gained) {
+	                   [&](Block w, double* gained) {
 		                   water->gather(w, content->waterMass, heat ? heat->enthalpy : nullptr, averagingCells(), inRecordOfWater ? gained : nullptr);
 	                   } },
-	        PassPart { settings.axisymmetric && motion, CostMeter::motion,
-	                   [&](const WeightBlock<D>& w, double*) { motion->gatherHoop(meanOfFaces(w), step.dt); } },
-	        PassPart { bool(motion), CostMeter::motion,
-	                   [&](const WeightBlock<D>& w, double* gained) { motion->gather(w, step.dt, inRecordOfMotion ? gained : nullptr); } },
+	        PassPart { settings.axisymmetric && motion, CostMeter::motion, [&](Block w, double*) { motion->gatherHoop(meanOfFaces(w), step.dt); } },
+	        PassPart { bool(motion), CostMeter::motion, [&](Block w, double* gained) { motion->gather(w, step.dt, inRecordOfMotion ? gained : nullptr); } },
 	        PassPart { bool(heat), CostMeter::heat,
-	                   [&](const WeightBlock<D>& w, double* gained) { heat->gather(w, inRecordOfWater || inRecordOfMotion ? gained : nullptr); } },
-	        PassPart { bool(affine), CostMeter::transfer, [&](const WeightBlock<D>& w, double*) { affine->gather(grid, w, *motion); } },
-	        PassPart { bool(front), CostMeter::front, [&](const WeightBlock<D>& w, double*) { front->gather(step, w, pointsOfFront(), affine.get()); } },
-	        PassPart { average, CostMeter::cells, [&](const WeightBlock<D>& w, double*) { BBar<D>::addDivergence(*cells, *points, *motion, w); } });
+	                   [&](Block w, double* gained) { heat->gather(w, inRecordOfWater || inRecordOfMotion ? gained : nullptr); } },
+	        PassPart { bool(affine), CostMeter::transfer, [&](Block w, double*) { affine->gather(grid, w, *motion); } },
+	        PassPart { bool(front), CostMeter::front, [&](Block w, double*) { front->gather(step, w, pointsOfFront(), affine.get()); } },
+	        PassPart { average, CostMeter::cells, [&](Block w, double*) { BBar<D>::addDivergence(*cells, *points, *motion, w); } });
 	if (average) cost.time(CostMeter::motion, [&] { cells->finish(step.owned); });
 }
 
@@ -422,15 +414,15 @@ template <int D> void Ground<D>::Parts::checkPositions(const StepContext<D>& ste
 template <int D> void Ground<D>::Parts::segregate(const StepContext<D>& step)
 {
 	segregation->collect(grid, *cells, *motion, *heat, *content, step.halo);
-	segregation->draw(grid, step.halo, *water, *enthalpyModel(), motion->settings->gravity, step.calendarDt);
+	segregation->draw(grid, step.halo, *water, *water->liquid.enthalpy, motion->settings->gravity, step.calendarDt);
 	segregation->book(step.owned, *water, ledger);
 }
 
 template <int D> void Ground<D>::Parts::stabiliseCells(const StepContext<D>& step)
 {
-	if (implicit) implicit->exchange(step, *water, liquid());
-	else if (content->iceMass) water->stabiliseCells(step, *cells, motion->settings->gravity, liquid());
-	water->finishCells(step, liquidDensity());
+	if (implicit) implicit->exchange(step, *water);
+	else if (content->iceMass) water->stabiliseCells(step, *cells);
+	water->finishCells(step);
 }
 
 /// Each strip of points receives water, its strain, and what follows from both.
@@ -460,9 +452,7 @@ template <int D> void Ground<D>::Parts::updatePoints(const StepContext<D>& step)
 /// What cells gathered goes to the points of a strip.
 template <int D> void Ground<D>::Parts::receiveWater(const StepContext<D>& step, int strip, int first, int last)
 {
-	const Vec<D> lost = water->receive(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr, motion->velocity);
-	for (int a = 0; a < D; ++a)
-		step.ledger.ofStrip(strip).momentumOut[a] += lost[a];
+	step.ledger.ofStrip(strip).momentumOut += water->receive(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr, motion->velocity);
 	if (implicit) implicit->giveToPoints(*cells, step.dt, first, last);
 }
 
@@ -490,7 +480,7 @@ template <int D> int Ground<D>::Parts::updateContent(const StepContext<D>& step,
                 if (!cellPressure()) return content->findPressure(b, of);
                 double excess[blockSize], compliance[blockSize];
                 content->findFill(b, excess, compliance);
-                water->addFills(*cells, b.first, b.count, excess, compliance, step.dt, liquidDensity());
+                water->addFills(*cells, b.first, b.count, excess, compliance, step.dt);
 	};
 	const PassPart state { true, pays, findState }, rest { true, water ? CostMeter::water : CostMeter::heat, findRest };
 	return content->inBlocks(first, last, [&](Block& b) {
@@ -504,11 +494,11 @@ template <int D> int Ground<D>::Parts::updateContent(const StepContext<D>& step,
 
 template <int D> void Ground<D>::Parts::findCellPressure(const StepContext<D>& step)
 {
-	water->findCellPressure(step.owned, enthalpyModel());
+	water->findCellPressure(step.owned);
 	if (implicit) implicit->givePressure(step.owned, *water);
 	step.strips.gather([&](int, int first, int last) {
 		water->shareCellPressure(*cells, first, last);
-		if (content->iceMass) water->stabilisePoints(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr, liquidDensity());
+		if (content->iceMass) water->stabilisePoints(*cells, first, last, content->waterMass, heat ? heat->enthalpy : nullptr);
 	});
 }
 
@@ -644,23 +634,6 @@ template <int D> std::vector<std::pair<std::string, double>> Ground<D>::cost() c
 	return list;
 }
 
-template std::vector<std::pair<std::string, double>> Ground<2>::cost() const;
-template std::vector<std::pair<std::string, double>> Ground<3>::cost() const;
-template void                                        Ground<2>::Parts::collectSurfaces(const StepContext<2>&);
-template void                                        Ground<3>::Parts::collectSurfaces(const StepContext<3>&);
-template void                                        Ground<2>::Parts::useScale();
-template void                                        Ground<3>::Parts::useScale();
-template void                                        Ground<2>::beginStep(double);
-template void                                        Ground<2>::p2g();
-template void                                        Ground<2>::solveNodes();
-template void                                        Ground<2>::g2p();
-template void                                        Ground<2>::updateStrainAndPressure();
-template void                                        Ground<2>::updateEffectiveStress();
-template void                                        Ground<3>::beginStep(double);
-template void                                        Ground<3>::p2g();
-template void                                        Ground<3>::solveNodes();
-template void                                        Ground<3>::g2p();
-template void                                        Ground<3>::updateStrainAndPressure();
-template void                                        Ground<3>::updateEffectiveStress();
+TALIK_IN_PLANE_AND_SPACE(Ground);
 
 } // namespace talik

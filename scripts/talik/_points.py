@@ -125,8 +125,8 @@ def lawNumbers(skeletonOf, points, laws):
 def field(mpm, name, measured):
 	"""What MpmEngine.field returns. measured: what laws measure by this name, arrays, nan where a point has another law."""
 	if name in ("strain", "deviatoricStrain"):
-		if not (mpm.deformationRecord and mpm.motion):
-			raise ValueError(f"MpmEngine.field: {name} needs motion and deformationRecord=True.")
+		if not mpm.motion:
+			raise ValueError(f"MpmEngine.field: {name} needs motion.")
 		gradients = mpm._storedField("deformationGradient")
 		return strain(name, aboutAxis(gradients, mpm) if mpm.axisymmetric else gradients)
 	if measured:

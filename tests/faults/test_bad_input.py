@@ -307,7 +307,6 @@ wrong = {
 		"motionTolerance",
 		"50",
 	),
-	"events smaller than nothing": (lambda s: ground(heat=wrapper.HeatTransfer(followsMotion=True, eventDisplacement=-1)), "eventDisplacement", "-1"),
 	"stop on no day": (lambda s: ground(stopAtDay=nan), "stopAtDay", "nan"),
 	"heat produced from mid-run on": (lambda s: running(lambda mpm: setattr(mpm.heat, "source", 5)), "HeatTransfer.source", "5"),
 	"air warmed in mid-run without a table": (

@@ -345,7 +345,6 @@ TEST(MpmCalendar, SettingsOutsideTheirRangeAreRefusedByNameAndValue)
 		{ "motionTolerance = 0", refusalOf([](auto& s) { s.heat->motionTolerance= 0.0; }) },
 		{ "motionTolerance = 2", refusalOf([](auto& s) { s.heat->motionTolerance= 2.0; }) },
 		{ "motionTolerance = nan", refusalOf([](auto& s) { s.heat->motionTolerance= NAN; }) },
-		{ "eventDisplacement = -1", refusalOf([](auto& s) { s.heat->eventDisplacement= -1.0; }) },
 		{ "thermalTimeScale = -5", refusalOf([](auto& s) { s.heat->thermalTimeScale= -5.0; }) },
 		{ "followsMotion = true without motion", refusalOf([](auto& s) { s.motion.reset(), s.skeletons.clear(); }) },
 	};

@@ -48,6 +48,7 @@ template <int D> struct RandomGround {
 		const int n = D == 2 ? 400 : 2000;
 		points.allocate(n);
 		motion.bind(points, grid);
+		water.liquid = { 1000.0, nullptr };
 		water.bind(points, grid, field(ice), field(temperature), field(waterMass));
 		water.allocateCells(grid.cellCount(), grid.cellVolume());
 		cells.allocate(grid, n);
@@ -75,7 +76,7 @@ template <int D> struct RandomGround {
 			water.addPressure(cells, first, last);
 		});
 		water.finishPressure(range);
-		water.findDrivingPressure(grid, range, cells, Vec<D> {}, 1000.0);
+		water.findDrivingPressure(grid, range, cells);
 	}
 
 	static Grid<D> turnedGrid(bool slice, bool turned)
@@ -212,13 +213,13 @@ template <int D> double seepagePairError(bool averaged)
 			size += std::abs(part);
 			g.water.flux[i][a] = g.water.nodal[i][1] * relative;
 		}
-	g.forBlocks([&](const WeightBlock<D>& w) { g.water.seep(w, g.dt, rho, nullptr); });
+	g.forBlocks([&](const WeightBlock<D>& w) { g.water.seep(w, g.dt); });
 	StepLedger<D>        ledger(g.grid);
 	const StepContext<D> step { g.dt, 1.0, g.dt, g.dt, g.grid, g.range, g.range, g.points.strips(), nullptr, ledger };
-	g.water.drain(step, surface.patch(0), true, { rho, nullptr }, nullptr);
+	g.water.drain(step, surface.patch(0), true, nullptr);
 	g.water.finishExchange(g.range);
 	g.forBlocks([&](const WeightBlock<D>& w) { g.water.gather(w, g.field(g.waterMass), nullptr, cells); });
-	if (cells) g.water.finishCells(step, rho);
+	if (cells) g.water.finishCells(step);
 	if (cells) g.forStrips([&](int first, int last) { g.water.receive(*cells, first, last, g.field(g.waterMass), nullptr, g.motion.velocity); });
 	double mass = 0.0, largest = 0.0;
 	for (int p = 0; p < g.points.count(); ++p) {

@@ -78,7 +78,6 @@ def test_tables_begin_with_the_date_and_the_surface_settles_by_the_thaw_strain_o
 
 def test_a_table_of_points_has_flat_names_with_the_right_components():
 	mpm = column()
-	mpm.deformationRecord = True
 	O.engines = [mpm]
 	O.run(3, True)
 	table = talik.output.table(mpm)

@@ -268,7 +268,6 @@ def collapsed(aspect, spacing):
 		upper=(room, room, roof),
 		gravity=(0, 0, -9.81),
 		picTime=math.sqrt(aspect / 9.81),
-		deformationRecord=False,
 		skeleton=wrapper.MohrCoulombSkeleton(
 			young=1e6,
 			youngFrozen=1e6,

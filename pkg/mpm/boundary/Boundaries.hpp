@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/Errors.hpp>
 #include <pkg/mpm/boundary/Boundary.hpp>
+
+#include <cmath>
 
 namespace talik {
 
@@ -11,7 +14,12 @@ public:
 	explicit PeriodicBoundary(const Region<D>& region)
 	        : Boundary<D>(region, "PeriodicBoundary", "")
 	{}
-	void validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(
+		        this->onSide() && this->region_.on.axis < D - 1, "must be a side of the box, and not bottom or top: it joins two opposite sides");
+		Boundary<D>::validate(grid);
+	}
 	bool joinsSides() const override { return true; }
 };
 
@@ -20,7 +28,21 @@ public:
 /// Impermeable wall that holds grains and water along some axes.
 template <int D> class Wall : public Boundary<D> {
 public:
-	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+	void constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const override
+	{
+		const int inward = this->inward(grid);
+		Vec<D>    sign;
+		for (int a = 0; a < D; ++a)
+			sign[a] = holds(a) ? -1.0 : 1.0;
+		for (int node : wallNodes(grid, this->region_)) {
+			for (int a = 0; a < D; ++a) {
+				if (!holds(a)) continue;
+				constraints.fixSolid(node, a);
+				constraints.tieLiquid(node, a);
+			}
+			if (this->onSide()) constraints.mirror(node - inward, node + inward, sign);
+		}
+	}
 
 protected:
 	Wall(const Region<D>& region, const char* name)
@@ -35,7 +57,11 @@ public:
 	explicit FixedBoundary(const Region<D>& region)
 	        : Wall<D>(region, "FixedBoundary")
 	{}
-	void validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(this->region_.kind != Region<D>::Kind::freeSurface, "must be a side of the box or a box of nodes");
+		Boundary<D>::validate(grid);
+	}
 	bool holds(int) const override { return true; }
 };
 
@@ -45,7 +71,11 @@ public:
 	explicit RollerBoundary(const Region<D>& region)
 	        : Wall<D>(region, "RollerBoundary")
 	{}
-	void validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(this->onSide(), "must be a side of the box, which has a normal; use FixedBoundary for other nodes");
+		Boundary<D>::validate(grid);
+	}
 	bool holds(int axis) const override { return axis == this->region_.on.axis; }
 };
 
@@ -55,12 +85,47 @@ template <int D> class MovingBoundary final : public Wall<D> {
 public:
 	/// speed [m/s] along direction, of any length; zero direction on a side: into the ground. rough: the ground sticks to it. ahead: how far
 	/// in front of its side the wall stands at the start [m].
-	MovingBoundary(const Region<D>& region, const TimeTable& speed, const Vec<D>& direction, bool rough, double ahead = 0.0);
-	void   validate(const Grid<D>& grid) const override;
+	MovingBoundary(const Region<D>& region, const TimeTable& speed, const Vec<D>& direction, bool rough, double ahead = 0.0)
+	        : Wall<D>(region, "MovingBoundary")
+	        , speed_(speed)
+	        , direction_(direction)
+	        , rough_(rough)
+	        , ahead_(ahead)
+	{
+		const double length = lengthOf<D>(direction);
+		if (length == 0.0 && this->onSide()) direction_[region.on.axis] = region.on.upper ? -1.0 : 1.0;
+		else if (length > 0.0) direction_ = direction / length;
+	}
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(this->region_.kind != Region<D>::Kind::freeSurface, "must be a side of the box or a box of nodes");
+		speed_.validate("MovingBoundary.speed");
+		const double length = lengthOf<D>(direction_);
+		requireSetting(
+		        std::isfinite(length) && length > 0.5, "MovingBoundary.direction", length,
+		        "must be finite and, on a box of nodes, which has no normal, not zero; its length does not matter");
+		int components = 0;
+		for (const double component : direction_)
+			components += component != 0.0;
+		const bool alongNormal = components == 1 && (!this->onSide() || direction_[this->region_.on.axis] != 0.0);
+		requireSetting(
+		        rough_ || alongNormal, "MovingBoundary.rough", "False",
+		        this->onSide() ? "needs a direction along the normal of the side: a smooth wall that moves along itself moves nothing"
+		                       : "needs a direction along one axis");
+		requireSetting(
+		        ahead_ >= 0.0 && ahead_ <= 0.5 * grid.spacing() && (ahead_ == 0.0 || this->onSide()), "MovingBoundary.ahead", ahead_,
+		        "must lie between 0 and half of gridSpacing, on a side of the box; 0 in a box of nodes");
+		Boundary<D>::validate(grid);
+	}
 	bool   moves() const override { return true; }
-	Vec<D> velocity(double time) const override;
-	Vec<D> pathBefore() const override;
-	bool   holds(int axis) const override { return rough_ || direction_[axis] != 0.0; }
+	Vec<D> velocity(double time) const override { return speed_.at(time) * direction_; }
+	Vec<D> pathBefore() const override
+	{
+		Vec<D> path {};
+		if (this->onSide()) path[this->region_.on.axis] = this->region_.on.upper ? -ahead_ : ahead_;
+		return path;
+	}
+	bool holds(int axis) const override { return rough_ || direction_[axis] != 0.0; }
 
 private:
 	TimeTable speed_;
@@ -79,9 +144,28 @@ public:
 	        , pressure_(pressure)
 	        , traction_(traction)
 	{}
-	void   validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		pressure_.validate("SurfaceLoad.pressure");
+		requireSetting(
+		        traction_.empty() || traction_.size() == D, "SurfaceLoad.traction", std::to_string(traction_.size()) + " components",
+		        "must have one component per dimension, or none");
+		for (const TimeTable& t : traction_)
+			t.validate("SurfaceLoad.traction");
+		requireSetting(
+		        this->region_.kind != Region<D>::Kind::nodeBox || pressure_.isZero(), "SurfaceLoad.pressure", pressure_.values().front(),
+		        "must be zero on a box of nodes, which has no normal; give the traction vector");
+		Boundary<D>::validate(grid);
+	}
 	bool   loads() const override { return true; }
-	Vec<D> traction(double time, const Vec<D>& normal) const override;
+	Vec<D> traction(double time, const Vec<D>& normal) const override
+	{
+		const double p = pressure_.at(time);
+		Vec<D>       t;
+		for (int a = 0; a < D; ++a)
+			t[a] = -p * normal[a] + (traction_.empty() ? 0.0 : traction_[a].at(time));
+		return t;
+	}
 
 private:
 	TimeTable              pressure_;
@@ -93,8 +177,16 @@ private:
 /// Water that crosses a side or the free surface; on a side with a roller or a fixed wall the solid stays held and the water passes.
 template <int D> class WaterCrossing : public Boundary<D> {
 public:
-	void validate(const Grid<D>& grid) const override;
-	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(this->region_.kind != Region<D>::Kind::nodeBox, "must be a side of the box or the free surface");
+		table_.validate(what_);
+		Boundary<D>::validate(grid);
+	}
+	void constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const override
+	{
+		if (this->onSide()) constraints.releaseLiquid(grid, this->region_);
+	}
 
 protected:
 	/// what: the attribute that the table is, for messages.
@@ -129,8 +221,19 @@ public:
 	explicit ImpermeableBoundary(const Region<D>& region)
 	        : Boundary<D>(region, "ImpermeableBoundary", "water")
 	{}
-	void validate(const Grid<D>& grid) const override;
-	void constrainMotion(const Grid<D>&, MotionConstraints<D>&) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(this->onSide(), "must be a side of the box; the free surface is impermeable where no DrainedBoundary is");
+		Boundary<D>::validate(grid);
+	}
+	void constrainMotion(const Grid<D>& grid, MotionConstraints<D>& constraints) const override
+	{
+		const int axis = this->region_.on.axis, inward = this->inward(grid);
+		for (int node : wallNodes(grid, this->region_)) {
+			constraints.tieLiquid(node, axis);
+			constraints.tieLiquid(node - inward, axis);
+		}
+	}
 };
 
 /// At a prescribed rate (infiltration, a spring, a well), positive into the ground; negative values draw it out. It arrives with the velocity of the
@@ -143,7 +246,13 @@ public:
 	        : WaterCrossing<D>(region, "WaterFlux", "WaterFlux.flux", flux)
 	        , temperature_(temperature)
 	{}
-	void   validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		WaterCrossing<D>::validate(grid);
+		requireSetting(
+		        std::isnan(temperature_) || (temperature_ >= 0.0 && temperature_ < 100.0), "WaterFlux.temperature", temperature_,
+		        "must lie between 0 and 100 degC; leave it out for water as warm as the ground where it enters");
+	}
 	bool   feeds() const override { return true; }
 	double inflow(double time) const override { return this->table_.at(time); }
 	double inflowTemperature() const override { return temperature_; }
@@ -158,7 +267,14 @@ private:
 template <int D> class HeatExchange : public Boundary<D> {
 public:
 	bool        heats() const override { return true; }
-	SurfaceHeat heat(double time) const override;
+	SurfaceHeat heat(double time) const override
+	{
+		SurfaceHeat h;
+		h.ambient   = temperature_.at(time);
+		h.atSurface = std::isinf(coefficient_);
+		if (!h.atSurface) h.coefficient = coefficient_;
+		return h;
+	}
 
 protected:
 	/// coefficient [W/(m^2 K)]; infinite: the surface itself has the temperature. Scaled by the thermal time scale like conduction.
@@ -179,7 +295,16 @@ public:
 	        const Region<D>& region, const TimeTable& temperature, double heatTransferCoefficient = std::numeric_limits<double>::infinity())
 	        : HeatExchange<D>(region, "SurfaceTemperature", temperature, heatTransferCoefficient)
 	{}
-	void validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(
+		        this->region_.kind != Region<D>::Kind::nodeBox, "must be the free surface or a side of the box; use WallTemperature for nodes");
+		this->requireTemperatures(this->temperature_);
+		requireSetting(
+		        this->coefficient_ >= 0.0, "SurfaceTemperature.heatTransferCoefficient", this->coefficient_,
+		        "must not be negative, in W/(m^2 K); leave it out to prescribe the temperature of the surface");
+		Boundary<D>::validate(grid);
+	}
 };
 
 /// Temperature of a side, which lies on nodes and is met exactly, or of a box or disc in the ground (a pipe), by the share of each
@@ -191,7 +316,14 @@ public:
 	        : Boundary<D>(region, "WallTemperature", "heat")
 	        , temperature_(temperature)
 	{}
-	void   validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(
+		        this->region_.kind != Region<D>::Kind::freeSurface,
+		        "must be a side of the box or a box of nodes; use SurfaceTemperature for the free surface");
+		this->requireTemperatures(temperature_);
+		Boundary<D>::validate(grid);
+	}
 	bool   prescribesTemperature() const override { return true; }
 	double temperature(double time) const override { return temperature_.at(time); }
 
@@ -208,7 +340,18 @@ public:
 	        : HeatExchange<D>(Region<D>::facing(bodies), "BodyTemperature", temperature, 1.0 / resistance)
 	        , resistance_(resistance)
 	{}
-	void validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		const std::vector<int>& ids = this->region_.ids;
+		if (ids.empty()) throw std::invalid_argument("BodyTemperature.bodies = []: names no body; give the numbers of bodies, e.g. [0]");
+		for (int id : ids)
+			requireSetting(id >= 0, "BodyTemperature.bodies", id, "must be numbers of bodies, 0 or more");
+		this->requireTemperatures(this->temperature_);
+		requireSetting(
+		        std::isfinite(resistance_) && resistance_ >= 0.0, "BodyTemperature.resistance", resistance_,
+		        "must not be negative, in m^2 K/W; 0: none; a body that no heat enters needs no BodyTemperature");
+		Boundary<D>::validate(grid);
+	}
 
 private:
 	double resistance_;
@@ -221,9 +364,20 @@ public:
 	        : Boundary<D>(region, "HeatFlux", "heat")
 	        , flux_(flux)
 	{}
-	void        validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(
+		        this->region_.kind != Region<D>::Kind::nodeBox, "must be the free surface or a side of the box; use HeatSource in the ground");
+		flux_.validate("HeatFlux.flux");
+		Boundary<D>::validate(grid);
+	}
 	bool        heats() const override { return true; }
-	SurfaceHeat heat(double time) const override;
+	SurfaceHeat heat(double time) const override
+	{
+		SurfaceHeat h;
+		h.flux = flux_.at(time);
+		return h;
+	}
 
 private:
 	TimeTable flux_;
@@ -237,7 +391,12 @@ public:
 	        : Boundary<D>(region, "HeatSource", "heat")
 	        , power_(power)
 	{}
-	void   validate(const Grid<D>& grid) const override;
+	void validate(const Grid<D>& grid) const override
+	{
+		this->requireRegion(!nodeShares(grid, this->region_).empty(), "must be a box or disc with room in it that reaches the grid");
+		power_.validate("HeatSource.power");
+		Boundary<D>::validate(grid);
+	}
 	bool   producesHeat() const override { return true; }
 	double power(double time) const override { return power_.at(time); }
 

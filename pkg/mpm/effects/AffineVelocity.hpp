@@ -12,10 +12,20 @@ namespace talik {
 template <int D> class AffineVelocity {
 public:
 	/// transfer: apic or tpic.
-	AffineVelocity(PointFields& fields, VelocityTransfer transfer);
+	AffineVelocity(PointFields& fields, VelocityTransfer transfer)
+	        : transfer_(transfer)
+	{
+		fields.declare("affineVelocity", "transfer", "1/s", gradient);
+	}
 
 	/// Adds the momentum of the gradients of a block to the nodes.
-	void map(const Grid<D>& grid, const WeightBlock<D>& w, SolidMotion<D>& motion) const;
+	void map(const Grid<D>& grid, const WeightBlock<D>& w, SolidMotion<D>& motion) const
+	{
+		for (int k = 0; k < w.count; ++k)
+			overMomenta(grid, w, k, motion.mass[w.first + k], [&](int node, const Vec<D>& momentum) {
+				addTo<D>(motion.nodes[node] + motion.momentumAt, momentum);
+			});
+	}
 	/// work(node, momentum) for every node of point k of a block: what its gradient adds to the momentum of mass [kg].
 	template <class Work> void overMomenta(const Grid<D>& grid, const WeightBlock<D>& w, int k, double mass, Work&& work) const
 	{
@@ -46,7 +56,10 @@ public:
 		});
 	}
 	/// Gradients of a block from the solved velocities of the nodes.
-	void gather(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const;
+	void gather(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const
+	{
+		transfer_ == VelocityTransfer::apic ? gatherBlock<true>(grid, w, motion) : gatherBlock<false>(grid, w, motion);
+	}
 
 	std::array<double*, D * D> gradient; ///< C_ij = dv_i/dx_j, row by row; zero at the start: a given velocity is that of the whole point
 
@@ -82,7 +95,24 @@ private:
 			++n;
 		});
 	}
-	template <bool Apic> void gatherBlock(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const;
+	template <bool Apic> void gatherBlock(const Grid<D>& grid, const WeightBlock<D>& w, const SolidMotion<D>& motion) const
+	{
+		for (int k = 0; k < w.count; ++k) {
+			const auto arms    = armsOf(w, k, grid.spacing());
+			double     c[D][D] = {};
+			overSupport(w, k, [&](int node, double s, const Vec<D>& g, const std::array<int, D>& index) {
+				const double* v = motion.solved[node] + motion.velocityAt;
+				for (int j = 0; j < D; ++j) {
+					const double factor = Apic ? s * arms[j].distance[index[j]] / arms[j].moment : g[j];
+					for (int i = 0; i < D; ++i)
+						c[i][j] += v[i] * factor;
+				}
+			});
+			for (int i = 0; i < D; ++i)
+				for (int j = 0; j < D; ++j)
+					gradient[i * D + j][w.first + k] = c[i][j];
+		}
+	}
 
 	VelocityTransfer transfer_;
 };

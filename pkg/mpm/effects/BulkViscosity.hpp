@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/Errors.hpp>
 #include <pkg/base/ParameterList.hpp>
 #include <pkg/mpm/effects/Effect.hpp>
+
+#include <cmath>
 
 /// Parameters of BulkViscosity, for the model and for the class that a script sees.
 // clang-format off
@@ -20,14 +23,31 @@ public:
 	TALIK_PARAMETERS(TALIK_BULK_VISCOSITY)
 
 	std::string name() const override { return "bulk viscosity"; }
-	void        validate(const GroundSettings<D>&) const override;
-	void        declareFields(PointFields& fields) override { fields.declare("viscousStress", name(), "Pa", stress_); }
-	bool        addsStress() const override { return true; }
-	void        addStress(const StepContext<D>&, const PointsInMotion<D>& points, int first, int last) const override;
-	void        followStrain(const StepContext<D>& step, const PointsInMotion<D>& points, int first, int last, StepAccount<D>& account) override;
-	bool        limitsStep() const override { return viscosity > 0.0; }
+	void        validate(const GroundSettings<D>&) const override
+	{
+		requireSetting(viscosity >= 0.0 && std::isfinite(viscosity), "BulkViscosity.viscosity", viscosity, "must be 0 or more [Pa s]");
+	}
+	void declareFields(PointFields& fields) override { fields.declare("viscousStress", name(), "Pa", stress_); }
+	bool addsStress() const override { return true; }
+	void addStress(const StepContext<D>&, const PointsInMotion<D>& points, int first, int last) const override
+	{
+		for (int p = first; p < last; ++p)
+			points.addedStress[p] += stress_[p];
+	}
+	void followStrain(const StepContext<D>& step, const PointsInMotion<D>& points, int first, int last, StepAccount<D>& account) override
+	{
+		for (int p = first; p < last; ++p) {
+			const double trace = points.trace(p);
+			account.dampingDissipation += stress_[p] * trace * points.volume[p];
+			stress_[p] = viscosity * trace / step.dt;
+		}
+	}
+	bool limitsStep() const override { return viscosity > 0.0; }
 	/// Eq. (28.2).
-	double largestStep(const PointsInMotion<D>& points, int place, double spacing) const override;
+	double largestStep(const PointsInMotion<D>& points, int p, double spacing) const override
+	{
+		return points.mass[p] / points.volume[p] * spacing * spacing / (6.0 * D * viscosity);
+	}
 
 private:
 	double* stress_ = nullptr; ///< tension positive [Pa]

@@ -236,8 +236,7 @@ template <int D> void HeatTransfer<D>::nodalTemperature(const StepContext<D>& st
 template <int D> void HeatTransfer<D>::addOutside(int node, const Vec<D>& area, double temperature, double heatOut)
 {
 	const double size = lengthOf<D>(area);
-	for (int a = 0; a < D; ++a)
-		outside[node][a] += area[a];
+	addTo<D>(outside[node], area);
 	outside[node][D] += size;
 	outside[node][D + 1] += size * temperature;
 	outside[node][D + 2] += heatOut;

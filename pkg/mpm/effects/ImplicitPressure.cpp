@@ -120,13 +120,12 @@ void ImplicitPressure<D>::addContent(
 		c.compliance += compliance;
 		c.pressure += volume[p] * water.pressure[p];
 		c.temperature += temperature ? mass * temperature[p] : 0.0;
-		for (int a = 0; a < D; ++a) {
-			c.carried[a] += mass * water.velocity[a][p];
-			c.middle[a] += volume[p] * points.position(a)[p];
-			c.place[a] += mass * points.position(a)[p];
-			c.weight[a] -= mass * acceleration_[a][p];
+		c.carried += mass * ofPoint<D>(water.velocity, p);
+		c.middle += volume[p] * points.at(p);
+		c.place += mass * points.at(p);
+		c.weight += -mass * ofPoint<D>(acceleration_, p);
+		for (int a = 0; a < D; ++a)
 			startVelocity_[a][p] = velocity_[a][p];
-		}
 	});
 }
 
@@ -392,12 +391,12 @@ template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surf
 	return s;
 }
 
-template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step, const PoreWater<D>& water, double liquidDensity)
+template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step, const PoreWater<D>& water)
 {
 	const Grid<D>&     grid  = step.grid;
 	const ActiveRange& range = step.halo;
-	const double       dt    = step.dt;
-	lowest_                  = water.settings->state.cavitationPressure;
+	const double       dt = step.dt, liquidDensity = water.liquid.density;
+	lowest_ = water.settings->state.cavitationPressure;
 	range.eachCell([&](int c) {
 		Cell& cell = cells_[c];
 		if (!(cell.liquidMass > 0.0 && cell.compliance > 0.0)) return;
@@ -410,10 +409,8 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 		cell.thawed /= liquidDensity * liquidDensity * cell.volume;
 		cell.pressure /= cell.volume;
 		cell.temperature /= cell.liquidMass;
-		for (int a = 0; a < D; ++a) {
-			cell.place[a] /= cell.liquidMass;
-			cell.weight[a] = water.weight[a] + liquidDensity * cell.weight[a] / cell.liquidMass;
-		}
+		cell.place         = cell.place / cell.liquidMass;
+		cell.weight        = water.weight + liquidDensity * cell.weight / cell.liquidMass;
 		cell.recent        = -std::expm1(-dt * cell.drag / cell.liquidMass);
 		cell.drivingExcess = water.drivingExcess(c);
 		cell.state         = cell.pressure > lowest_ || cell.excess > cell.compliance * lowest_ ? wet : cavitated;
@@ -453,8 +450,7 @@ template <int D> void ImplicitPressure<D>::drainThrough(Cell& cell, double area,
 	const double conductance = cell.open * faceArea_ / way * area;
 	cell.drained += conductance;
 	cell.drives += conductance * drives;
-	for (int a = 0; a < D; ++a)
-		cell.leaves[a] += conductance * outward[a];
+	cell.leaves += conductance * outward;
 }
 
 template <int D> void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges)
@@ -463,8 +459,7 @@ template <int D> void ImplicitPressure<D>::drain(const StepContext<D>& step, con
 	const ActiveRange& range = step.halo;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		const double area = lengthOf<D>(n.area);
-		for (int a = 0; a < D && area > 0.0; ++a)
-			open_[n.node][a] = n.area[a] / area;
+		if (area > 0.0) open_[n.node] = n.area / area;
 	}
 	for (const int c : exposed_) {
 		Cell& cell = cells_[c];
@@ -478,9 +473,7 @@ template <int D> void ImplicitPressure<D>::drain(const StepContext<D>& step, con
 		const Surface surface = surfaceIn(range, c);
 		const double  area    = lengthOf<D>(surface.area);
 		if (area == 0.0) continue;
-		Vec<D> outward;
-		for (int a = 0; a < D; ++a)
-			outward[a] = surface.area[a] / area;
+		const Vec<D> outward = surface.area / area;
 		drainThrough(cell, area * openAt(grid, c, outward), surface.distance, outward, outside, recharges);
 	}
 	for (const SurfaceNode<D>& n : patch.nodes)
@@ -604,7 +597,7 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 	});
 }
 
-template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity)
+template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water)
 {
 	const double dt = step.dt;
 	step.halo.eachNode([&](int i) { std::copy_n(motion.solved[i] + motion.velocityAt, D, moved_[i]); });
@@ -630,7 +623,7 @@ template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& s
 					out += faces_[a][before].conductance * (cell.pressure - cells_[before].pressure - faces_[a][before].weight);
 			}
 			const double off = cell.excess - cell.compliance * cell.pressure;
-			initial_[c]      = off + fed / liquidDensity - dt * out - dt * image_[c];
+			initial_[c]      = off + fed / water.liquid.density - dt * out - dt * image_[c];
 		}
 	});
 }
@@ -797,15 +790,14 @@ template <int D> void ImplicitPressure<D>::giveToPoints(const CellMeans<D>& cell
 	}
 }
 
-template <int D>
-void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity)
+template <int D> void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water)
 {
 	const double dt = step.dt;
 	momentum.findResponse(step.halo, motion, water, dt, response_);
 	const double mass   = sumOfNodes(step, [&](int i) { return motion.nodes[i][motion.massAt] + water.nodes[i][PoreWater<D>::massAt]; });
 	const double volume = sumOfNodes(step, [&](int i) { return water.nodes[i][PoreWater<D>::volumeAt]; });
 	checkerboard_       = volume > 0.0 ? checkerboardPart * dt * dt * cellVolume_ / (spacing_ * spacing_ * mass / volume) : 0.0;
-	findResiduals(step, motion, water, liquidDensity);
+	findResiduals(step, motion, water);
 	double goal = 0.0;
 	for (int round = 0; round < mostRounds; ++round) {
 		iterate(step, momentum, goal);
@@ -814,7 +806,7 @@ void ImplicitPressure<D>::solve(const StepContext<D>& step, MomentumSolver<D>& m
 		if (!changed) break;
 	}
 	findMoved(step.halo, dt);
-	findSeepage(step.owned, dt, liquidDensity);
+	findSeepage(step.owned, dt, water.liquid.density);
 	forces(step.halo, change_.data(), force_);
 	momentum.correct(step.halo, motion, water, force_, response_, dt, step.ledger);
 }
@@ -861,17 +853,16 @@ template <int D> double ImplicitPressure<D>::givenTemperature(const ActiveRange&
 	return behind * ahead > 0.0 ? mean + behind * ahead / (behind + ahead) : mean;
 }
 
-template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, PoreWater<D>& water, const LiquidOfGround& liquid)
+template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, PoreWater<D>& water)
 {
 	const ActiveRange&         range         = step.owned;
-	const double               liquidDensity = liquid.density;
-	const EnthalpyModel* const enthalpy      = liquid.enthalpy;
+	const double               liquidDensity = water.liquid.density;
+	const EnthalpyModel* const enthalpy      = water.liquid.enthalpy;
 	using Gathered                           = typename PoreWater<D>::Gathered;
 	const auto take                          = [&](double* to, int donor, double mass, double temperature) {
                 to[Gathered::water] += mass;
                 if (enthalpy) to[Gathered::enthalpy] += mass * enthalpy->liquidEnthalpy(temperature);
-                for (int a = 0; a < D; ++a)
-                        to[Gathered::momentum + a] += mass / cells_[donor].liquidMass * cells_[donor].carried[a];
+                addTo<D>(to + Gathered::momentum, mass / cells_[donor].liquidMass * cells_[donor].carried);
 	};
 	range.eachCell([&](int c) {
 		if (cells_[c].state == none) return;
@@ -897,8 +888,7 @@ template <int D> void ImplicitPressure<D>::exchange(const StepContext<D>& step, 
 		account.waterOut += mass;
 		account.waterEnergyOut += cells_[c].out * (water.heightOfCell(c) - cells_[c].drives / cells_[c].drained);
 		if (enthalpy) account.enthalpyOut += mass * enthalpy->liquidEnthalpy(cells_[c].temperature);
-		for (int a = 0; a < D; ++a)
-			account.momentumOut[a] += mass / cells_[c].liquidMass * cells_[c].carried[a];
+		account.momentumOut += mass / cells_[c].liquidMass * cells_[c].carried;
 	}
 }
 

@@ -55,15 +55,15 @@ public:
 	/// The liquid of the nodes moves with their grains: its drag leaves no difference by the end of the step. Before nodes are solved.
 	static void tieLiquid(const StepContext<D>& step, PoreWater<D>& water);
 	/// Means of the cells and conductances between them, when nodes are solved.
-	void beginFlow(const StepContext<D>& step, const PoreWater<D>& water, double liquidDensity);
+	void beginFlow(const StepContext<D>& step, const PoreWater<D>& water);
 	/// Faces of the surface of the ground through which water flows to a pressure outside [Pa].
 	void drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges);
 	/// Solves for the pressure, and corrects the velocities of the nodes.
-	void solve(const StepContext<D>& step, MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water, double liquidDensity);
+	void solve(const StepContext<D>& step, MomentumSolver<D>& momentum, SolidMotion<D>& motion, PoreWater<D>& water);
 	/// What the flow between cells loses by drag.
 	void bookDissipation(const StepContext<D>& step) const;
 	/// Adds what flows to the exchange of the cells.
-	void exchange(const StepContext<D>& step, PoreWater<D>& water, const LiquidOfGround& liquid);
+	void exchange(const StepContext<D>& step, PoreWater<D>& water);
 	/// Seepage velocity of points, by what flowed between cells, and the acceleration of their ground as water feels it: its mean over the time
 	/// m_l/Q in which drag brings water to rest in the ground, eq. (7.11).
 	void giveToPoints(const CellMeans<D>& cells, double dt, int first, int last);
@@ -78,9 +78,10 @@ private:
 	static constexpr int inRow   = 4 * D;            ///< numbers of a row of four nodes, which follow each other in memory
 	/// Sums over the points of a cell, and means of them once the flow begins.
 	struct Cell {
-		double liquidMass, drag, excess, compliance, pressure, temperature, carried[D];
-		double place[D];        ///< of the liquid [m]
-		double weight[D];       ///< of water in ground that accelerates, rho_l (b - a) [N/m^3]
+		double liquidMass, drag, excess, compliance, pressure, temperature;
+		Vec<D> carried;
+		Vec<D> place;           ///< of the liquid [m]
+		Vec<D> weight;          ///< of water in ground that accelerates, rho_l (b - a) [N/m^3]
 		double recent;          ///< share of this step in the acceleration that water feels
 		double open, opensWell; ///< sum V times the mobility of each point, of layers beside each other; and times its square
 		double layer;           ///< mobility of the way out of a layer that is open
@@ -88,10 +89,10 @@ private:
 		double thawed;          ///< as open, with all ice melted
 		double part;            ///< of it that has thawed as a layer on one side, see thawedPart(); 0: none
 		double volume, mobility, fill, base, drivingExcess; ///< base: pressure from which x counts [Pa]
-		double middle[D];                                   ///< of its ground: sum V x; then from the middle of the cell, in spacings
+		Vec<D> middle;                                      ///< of its ground: sum V x; then from the middle of the cell, in spacings
 		double drained, drives; ///< conductance of its drained faces [m^D/(Pa s)], and the flow that they let out at p = 0 [m^D/s]
 		double out;             ///< volume that leaves through them in the step [m^D]
-		double leaves[D];       ///< their conductances, along their outward normals [m^D/(Pa s)]
+		Vec<D> leaves;          ///< their conductances, along their outward normals [m^D/(Pa s)]
 		double flows[D];        ///< seepage velocity [m/s]
 		int    state;           ///< see State
 	};
@@ -139,7 +140,7 @@ private:
 	double checkerboard(int cell, const double* x) const;
 	double hourglass(int cell, int pair, int a, int b, const double* x) const;
 	void   findSquares(const ActiveRange& range);
-	void   findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water, double liquidDensity);
+	void   findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water);
 	double movedAcross(const Grid<D>& grid, int cell, int axis) const;
 	void   findSeepage(const ActiveRange& range, double dt, double liquidDensity);
 	void   findPreconditioner(const StepContext<D>& step, const MomentumSolver<D>& momentum);

@@ -16,6 +16,18 @@ namespace {
 	{
 		return -coefficient * std::abs(force) * double((velocity > 0.0) - (velocity < 0.0));
 	}
+
+	/// What points gather of a velocity that was another one before the step, chi the part of their own that they keep.
+	double gathered(double chi, double before, double now) { return chi * (now - before) + (1.0 - chi) * now; }
+
+	/// The liquid of a node, of velocity vl, where the motion of its grains is given, that of the end vs: its own row of the drag equations.
+	template <int D> void followGrains(PoreWater<D>& water, int node, int axis, double vl, double vs, double dt)
+	{
+		const double mass = water.nodes[node][PoreWater<D>::massAt], drag = water.nodes[node][PoreWater<D>::dragAt];
+		const double change      = dt * (water.force[node][axis] - drag * (vl - vs)) / (mass + dt * drag);
+		water.flux[node][axis]   = vl + change;
+		water.solved[node][axis] = water.kept * change + (1.0 - water.kept) * (vl + change);
+	}
 } // namespace
 
 template <int D>
@@ -76,10 +88,8 @@ template <int D> void MomentumSolver<D>::addGravity(const ActiveRange& range, So
 {
 	const Vec<D> b = motion.settings->gravity;
 	range.eachNode([&](int i) {
-		double*      r = motion.nodes[i];
-		const double m = r[motion.massAt] + (water ? water->nodes[i][water->massAt] : 0.0);
-		for (int a = 0; a < D; ++a)
-			r[motion.forceAt + a] += m * b[a];
+		double* r = motion.nodes[i];
+		addTo<D>(r + motion.forceAt, (r[motion.massAt] + (water ? water->nodes[i][water->massAt] : 0.0)) * b);
 	});
 }
 
@@ -89,15 +99,8 @@ template <int D> void MomentumSolver<D>::addLoad(const Boundary<D>& boundary, co
 		const SurfaceNode<D>& n    = patch.nodes[k];
 		const double          area = lengthOf<D>(n.area);
 		if (area == 0.0 || motion.nodes[n.node][motion.massAt] <= 0.0) continue;
-		Vec<D> normal;
-		for (int a = 0; a < D; ++a)
-			normal[a] = n.area[a] / area;
-		Load load { n.node, boundary.tractionAt(time, normal, k) };
-		for (int a = 0; a < D; ++a) {
-			load.force[a] *= area;
-			motion.nodes[n.node][motion.forceAt + a] += load.force[a];
-		}
-		loads_.push_back(load);
+		loads_.push_back({ n.node, area * boundary.tractionAt(time, n.area / area, k) });
+		addTo<D>(motion.nodes[n.node] + motion.forceAt, loads_.back().force);
 	}
 }
 
@@ -107,12 +110,8 @@ template <int D> void MomentumSolver<D>::accelerate(const Boundary<D>& boundary,
 		double* const r    = motion.nodes[shares[k].node];
 		const double  mass = shares[k].share * r[motion.massAt];
 		if (mass <= 0.0) continue;
-		Load load { shares[k].node, boundary.accelerationAt(k) };
-		for (int a = 0; a < D; ++a) {
-			load.force[a] *= mass;
-			r[motion.forceAt + a] += load.force[a];
-		}
-		loads_.push_back(load);
+		loads_.push_back({ shares[k].node, mass * boundary.accelerationAt(k) });
+		addTo<D>(r + motion.forceAt, loads_.back().force);
 	}
 }
 
@@ -153,15 +152,11 @@ template <int D> void MomentumSolver<D>::beginStep(const Grid<D>& grid, const Sh
 {
 	constexpr double farthest = 0.5; // cells; beyond it the ground in front of a wall loses its nodes
 	for (std::size_t k = 0; k < moving_.size(); ++k) {
-		MovingWall&  w   = moving_[k];
-		const Vec<D> end = w.boundary->velocity(to);
-		Vec<D>       path;
-		w.velocity = w.boundary->velocity(from);
-		for (int a = 0; a < D; ++a) {
-			w.change[a] = end[a] - w.velocity[a];
-			path[a]     = wallPaths_[k][a] + dt * end[a];
-		}
-		const double away = w.boundary->away(path);
+		MovingWall&  w    = moving_[k];
+		const Vec<D> end  = w.boundary->velocity(to);
+		w.velocity        = w.boundary->velocity(from);
+		w.change          = end - w.velocity;
+		const double away = w.boundary->away(wallPaths_[k] + dt * end);
 		w.lead            = leadOf(grid, shape, w.boundary->region().on, w.boundary->ahead(wallPaths_[k]));
 		if (away <= farthest * grid.spacing()) continue;
 		std::ostringstream text;
@@ -200,8 +195,7 @@ template <int D> void MomentumSolver<D>::pushAhead(SolidMotion<D>& motion, PoreW
 template <int D> void MomentumSolver<D>::endStep(double dt)
 {
 	for (std::size_t k = 0; k < moving_.size(); ++k)
-		for (int a = 0; a < D; ++a)
-			wallPaths_[k][a] += dt * moving_[k].endOf(a);
+		wallPaths_[k] += dt * (moving_[k].velocity + moving_[k].change);
 }
 
 template <int D> void MomentumSolver<D>::applySymmetry(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt)
@@ -341,28 +335,19 @@ template <int D> void MomentumSolver<D>::constrainDry(const ActiveRange& range, 
 
 template <int D> void MomentumSolver<D>::constrainLiquid(SolidMotion<D>& motion, PoreWater<D>& water, int i, double dt) const
 {
-	// the solid's motion is given; its own row of the drag equations then yields the liquid's
-	using W           = PoreWater<D>;
-	const double  chi = motion.kept, chiLiquid = water.kept;
-	const double* r  = motion.nodes[i];
-	const double* rl = water.nodes[i];
-	const double  dq = dt * rl[W::dragAt];
-	if (!(rl[W::massAt] > 0.0)) return;
+	const double* r = motion.nodes[i];
+	if (!(water.nodes[i][PoreWater<D>::massAt] > 0.0)) return;
 	for (int a = 0; a < D; ++a) {
 		if (!constraints_.solidFixed(i, a) || constraints_.liquidTied(i, a)) continue;
-		const double vs     = r[motion.massAt] > 0.0 ? r[motion.momentumAt + a] / r[motion.massAt] : 0.0;
-		const double vl     = water.start[i][a];
-		const double vs1    = motion.solved[i][motion.velocityAt + a];
-		const double change = dt * (water.force[i][a] - rl[W::dragAt] * (vl - vs1)) / (rl[W::massAt] + dq);
-		water.flux[i][a]    = vl + change;
-		water.solved[i][a]  = chiLiquid * change + (1.0 - chiLiquid) * (vl + change);
-		motion.solved[i][a] = chi * (vs1 - vs) + (1.0 - chi) * vs1;
+		const double before = r[motion.massAt] > 0.0 ? r[motion.momentumAt + a] / r[motion.massAt] : 0.0;
+		const double now    = motion.solved[i][motion.velocityAt + a];
+		followGrains(water, i, a, water.start[i][a], now, dt);
+		motion.solved[i][a] = gathered(motion.kept, before, now);
 	}
 }
 
 template <int D> void MomentumSolver<D>::constrainTwoPhase(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, double dt) const
 {
-	const double chi = motion.kept, chiLiquid = water.kept;
 	for (int i : constraints_.constrainedNodes()) {
 		if (!range.holds(i)) continue;
 		const double* r = motion.nodes[i];
@@ -374,10 +359,10 @@ template <int D> void MomentumSolver<D>::constrainTwoPhase(const ActiveRange& ra
 			const double vs = r[motion.momentumAt + a] / ms, vl = water.start[i][a];
 			const double common                     = fixed ? 0.0 : vs + dt * r[motion.forceAt + a] / (ms + ml);
 			motion.solved[i][motion.velocityAt + a] = common;
-			motion.solved[i][a]                     = chi * (common - vs) + (1.0 - chi) * common;
+			motion.solved[i][a]                     = gathered(motion.kept, vs, common);
 			if (!tied) continue;
 			water.flux[i][a]   = common;
-			water.solved[i][a] = chiLiquid * (common - vl) + (1.0 - chiLiquid) * common;
+			water.solved[i][a] = gathered(water.kept, vl, common);
 		}
 		constrainLiquid(motion, water, i, dt);
 	}
@@ -385,8 +370,6 @@ template <int D> void MomentumSolver<D>::constrainTwoPhase(const ActiveRange& ra
 
 template <int D> void MomentumSolver<D>::carry(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt)
 {
-	using W          = PoreWater<D>;
-	const double chi = motion.kept;
 	for (const auto& c : constraints_.carried()) {
 		if (!range.holds(c.node)) continue;
 		const double* r = motion.nodes[c.node];
@@ -396,16 +379,15 @@ template <int D> void MomentumSolver<D>::carry(const ActiveRange& range, SolidMo
 		const double before                               = r[motion.momentumAt + c.axis] / r[motion.massAt],
 		             v                                    = ahead == 0.0 ? w : w - ahead * (motion.solved[c.inner][motion.velocityAt + c.axis] - w);
 		motion.solved[c.node][motion.velocityAt + c.axis] = v;
-		motion.solved[c.node][c.axis]                     = chi * (v - before) + (1.0 - chi) * v;
+		motion.solved[c.node][c.axis]                     = gathered(motion.kept, before, v);
 		damping_[c.node][c.axis]                          = 0.0;
 		if (!water || !constraints_.liquidTied(c.node, c.axis)) continue;
 		water->flux[c.node][c.axis]   = v;
-		water->solved[c.node][c.axis] = water->kept * (v - water->start[c.node][c.axis]) + (1.0 - water->kept) * v;
+		water->solved[c.node][c.axis] = gathered(water->kept, water->start[c.node][c.axis], v);
 	}
 	if (!water) return;
 	for (const auto& c : constraints_.carried())
-		if (range.holds(c.node) && motion.nodes[c.node][motion.massAt] > 0.0 && water->nodes[c.node][W::massAt] > 0.0)
-			constrainLiquid(motion, *water, c.node, dt);
+		if (range.holds(c.node) && motion.nodes[c.node][motion.massAt] > 0.0) constrainLiquid(motion, *water, c.node, dt);
 }
 
 template <int D> void MomentumSolver<D>::unfold(const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>* water, double dt) const
@@ -430,13 +412,8 @@ template <int D> void MomentumSolver<D>::unfold(const ActiveRange& range, SolidM
 			}
 			const double* rl = water->nodes[m.ghost];
 			if (!(rl[W::massAt] > 0.0)) continue;
-			const double chiLiquid    = water->kept;
-			const double vl           = rl[W::momentumAt + a] / rl[W::massAt];
-			const double vs1          = motion.solved[m.ghost][motion.velocityAt + a];
-			const double change       = dt * (water->force[m.ghost][a] - rl[W::dragAt] * (vl - vs1)) / (rl[W::massAt] + dt * rl[W::dragAt]);
-			water->start[m.ghost][a]  = vl;
-			water->flux[m.ghost][a]   = vl + change;
-			water->solved[m.ghost][a] = chiLiquid * change + (1.0 - chiLiquid) * (vl + change);
+			water->start[m.ghost][a] = rl[W::momentumAt + a] / rl[W::massAt];
+			followGrains(*water, m.ghost, a, water->start[m.ghost][a], motion.solved[m.ghost][motion.velocityAt + a], dt);
 		}
 	}
 }

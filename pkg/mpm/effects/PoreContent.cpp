@@ -16,6 +16,14 @@ namespace {
 	// capacity most of it would overcool (or overheat) their neighbours first, and a front that freezes would lag by h/3. Divided
 	// by the whole apparent capacity the front would run in jumps from point to point, ahead of the heat that it needs.
 	constexpr double largestWeight = 3.0;
+
+	/// The points of a block, whose grains, water and pores are given.
+	template <class Block, class OfHeat>
+	EnthalpyBatch batchOf(Block& b, const OfHeat& heat, const double* solidMass, const double* waterMass, const double* poreVolume, double* capacityWeight)
+	{
+		return { std::size_t(b.count),        heat.enthalpy + b.first, solidMass, waterMass, poreVolume, b.temperature, b.liquidSaturation, b.ice,
+			 heat.heatCapacity + b.first, capacityWeight };
+	}
 } // namespace
 
 template <int D>
@@ -149,18 +157,9 @@ template <int D> void PoreContent<D>::findPoreVolume(Block& b, const double* vol
 template <int D> void PoreContent<D>::solveTemperature(Block& b, const OfHeat& heat) const
 {
 	if (excessVolume_ && hasExcessIce(b)) return solveWithExcessIce(b, heat);
-	EnthalpyBatch batch;
-	batch.count            = b.count;
-	batch.enthalpy         = heat.enthalpy + b.first;
-	batch.solidMass        = solidMass + b.first;
-	batch.waterMass        = waterMass + b.first;
-	batch.poreVolume       = b.poreVolume;
-	batch.temperature      = b.temperature;
-	batch.liquidSaturation = b.liquidSaturation;
-	batch.iceMass          = b.ice;
-	batch.heatCapacity     = heat.heatCapacity + b.first;
-	batch.apparentCapacity = iceMass ? heat.capacityWeight + b.first : nullptr;
-	b.of->enthalpy.temperatures(batch);
+	const double* const solid = solidMass + b.first;
+	const double* const water = waterMass + b.first;
+	b.of->enthalpy.temperatures(batchOf(b, heat, solid, water, b.poreVolume, iceMass ? heat.capacityWeight + b.first : nullptr));
 	if (iceMass) limitWeights(b, heat);
 }
 
@@ -192,18 +191,7 @@ template <int D> void PoreContent<D>::solveWithExcessIce(Block& b, const OfHeat&
 		water[k]         = waterMass[p] - ice;
 		pores[k]         = b.poreVolume[k] - excessVolume_[p];
 	}
-	EnthalpyBatch batch;
-	batch.count            = b.count;
-	batch.enthalpy         = heat.enthalpy + b.first;
-	batch.solidMass        = solid;
-	batch.waterMass        = water;
-	batch.poreVolume       = pores;
-	batch.temperature      = b.temperature;
-	batch.liquidSaturation = b.liquidSaturation;
-	batch.iceMass          = b.ice;
-	batch.heatCapacity     = heat.heatCapacity + b.first;
-	batch.apparentCapacity = heat.capacityWeight + b.first;
-	b.of->enthalpy.temperatures(batch);
+	b.of->enthalpy.temperatures(batchOf(b, heat, solid, water, pores, heat.capacityWeight + b.first));
 	const double freezing = b.of->enthalpy.curve().freezingTemperature();
 	for (int k = 0; k < b.count; ++k)
 		if (b.temperature[k] > freezing && excessIce_[b.first + k] > 0.0) meltExcessIce(b, heat, k);

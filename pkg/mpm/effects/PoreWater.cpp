@@ -36,16 +36,11 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	volume_ = points.volume();
 	for (int a = 0; a < D; ++a)
 		position_[a] = points.position(a);
-	waterMass_   = waterMass;
-	iceMass_     = iceMass;
-	temperature_ = temperature;
-	nodes.allocate(grid.nodeCount());
-	nodal.allocate(grid.nodeCount());
-	force.allocate(grid.nodeCount());
-	solved.allocate(grid.nodeCount());
-	flux.allocate(grid.nodeCount());
-	start.allocate(grid.nodeCount());
-	exchange.allocate(grid.nodeCount());
+	waterMass_          = waterMass;
+	iceMass_            = iceMass;
+	temperature_        = temperature;
+	const auto allocate = [&](auto&... fields) { (fields.allocate(grid.nodeCount()), ...); };
+	allocate(nodes, nodal, force, solved, flux, start, exchange);
 	open_.assign(grid.nodeCount(), 0);
 	exchange.shareColumns(solved, Gathered::velocity);
 	none_.assign(blockSize, 0.0);
@@ -101,8 +96,7 @@ template <int D> void PoreWater<D>::addPressure(const CellMeans<D>& cells, int f
 		more.drag += drag[p];
 		more.contentMass += waterMass_[p];
 		more.warmth += m * temperature_[p];
-		for (int i = 0; i < D; ++i)
-			more.carried[i] += m * velocity[i][p];
+		more.carried += m * ofPoint<D>(velocity, p);
 	}
 }
 
@@ -118,14 +112,14 @@ template <int D> void PoreWater<D>::finishPressure(const ActiveRange& range)
 }
 
 /// V n_l^2/Q
-template <int D> double PoreWater<D>::mobility(int cell, double volume, double liquidDensity) const
+template <int D> double PoreWater<D>::mobility(int cell, double volume) const
 {
-	const double liquid = cells_[cell].liquidMass / liquidDensity, resistance = freezing_[cell].drag;
-	return resistance > 0.0 ? liquid * liquid / (volume * resistance) : 0.0;
+	const double held = cells_[cell].liquidMass / liquid.density, resistance = freezing_[cell].drag;
+	return resistance > 0.0 ? held * held / (volume * resistance) : 0.0;
 }
 
 /// u of eq. (7.6): what the liquid of a cell feels that thaws from one side.
-template <int D> double PoreWater<D>::thawedPressure(const Grid<D>& grid, const ActiveRange& range, int cell, const Vec<D>& weight) const
+template <int D> double PoreWater<D>::thawedPressure(const Grid<D>& grid, const ActiveRange& range, int cell) const
 {
 	const auto   liquidPart = [&](int c) { return cells_[c].liquidMass / freezing_[c].contentMass; };
 	const double thawed = liquidPart(cell), mean = cells_[cell].pressure;
@@ -135,10 +129,10 @@ template <int D> double PoreWater<D>::thawedPressure(const Grid<D>& grid, const 
 		for (const int side : { -1, 1 }) {
 			const int next = grid.neighbour(cell, a, side);
 			if (next < range.firstCell || next >= range.lastCell || !(cells_[next].liquidMass > 0.0)) continue;
-			const double pressure = cells_[next].pressure - side * weight[a], liquid = liquidPart(next);
+			const double pressure = cells_[next].pressure - side * weight[a] * grid.spacing(), part = liquidPart(next);
 			lowest = std::min(lowest, pressure);
-			if (liquid >= frozen || freezing_[next].mobility > conducts) continue;
-			frozen         = liquid;
+			if (part >= frozen || freezing_[next].mobility > conducts) continue;
+			frozen         = part;
 			frozenPressure = pressure;
 		}
 	// less than the mean: only what flows out is held back, so that nothing is driven that the mean would not drive
@@ -147,16 +141,12 @@ template <int D> double PoreWater<D>::thawedPressure(const Grid<D>& grid, const 
 	return std::max(lowest, (mean - (1.0 - phi) * frozenPressure) / phi);
 }
 
-template <int D>
-void PoreWater<D>::findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity)
+template <int D> void PoreWater<D>::findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells)
 {
 	if (!iceMass_) return;
-	Vec<D> weight; // of water between the middles of two cells
-	for (int a = 0; a < D; ++a)
-		weight[a] = liquidDensity * gravity[a] * grid.spacing();
-	range.eachCell([&](int c) { freezing_[c].mobility = mobility(c, cells.cellVolume(c), liquidDensity); });
+	range.eachCell([&](int c) { freezing_[c].mobility = mobility(c, cells.cellVolume(c)); });
 	range.eachCell([&](int c) {
-		if (cells_[c].liquidMass > 0.0) cells_[c].driving = thawedPressure(grid, range, c, weight);
+		if (cells_[c].liquidMass > 0.0) cells_[c].driving = thawedPressure(grid, range, c);
 	});
 }
 
@@ -167,7 +157,7 @@ void PoreWater<D>::fillRecords(
 	const double* const ice    = iceMass_ ? iceMass_ + w.first : none_.data();
 	const double* const water  = waterMass_ + w.first;
 	const double* const volume = volume_ + w.first;
-	const double* const liquid = liquidFraction + w.first;
+	const double* const part   = liquidFraction + w.first;
 	const double* const drags  = drag + w.first;
 	const int           count  = w.count;
 #pragma GCC ivdep
@@ -175,7 +165,7 @@ void PoreWater<D>::fillRecords(
 		const double m            = water[k] - ice[k];
 		values[massAt][k]         = m;
 		values[volumeAt][k]       = volume[k];
-		values[liquidVolumeAt][k] = volume[k] * liquid[k];
+		values[liquidVolumeAt][k] = volume[k] * part[k];
 		values[pressureAt][k]     = m * driving[k];
 		values[dragAt][k]         = drags[k];
 		values[potentialAt][k]    = m * potential[k];
@@ -208,7 +198,7 @@ template <int D> void PoreWater<D>::map(const WeightBlock<D>& w, const CellMeans
 	// what seeps is handed out evenly within a cell, and rises or sinks by the middle of the cell's liquid
 	if (cells)
 		for (int k = 0; k < w.count; ++k) {
-			driving[k] = drivingPressure(cells->cell(w.first + k));
+			driving[k] = cells_[cells->cell(w.first + k)].driving;
 			height[k]  = cells_[cells->cell(w.first + k)].height;
 		}
 	double values[Liquid::size][blockSize];
@@ -232,10 +222,8 @@ template <int D> void PoreWater<D>::nodalPressure(const ActiveRange& range)
 		n[Driving::perLiquidMass]  = r[massAt] > 0.0 ? 1.0 / r[massAt] : 0.0;
 		n[Driving::pressure]       = r[massAt] > 0.0 ? r[pressureAt] / r[massAt] : 0.0;
 		n[Driving::liquidFraction] = r[volumeAt] > 0.0 ? r[liquidVolumeAt] / r[volumeAt] : 0.0;
-		for (int a = 0; a < D; ++a)
-			force[i][a] = 0.0;
-		for (int a = 0; a < exchangeSize; ++a)
-			exchange[i][a] = 0.0;
+		std::fill_n(force[i], D, 0.0);
+		std::fill_n(exchange[i], exchangeSize, 0.0);
 	});
 }
 
@@ -284,42 +272,34 @@ template <int D> void PoreWater<D>::liquidForce(const ActiveRange& range)
 template <int D> void PoreWater<D>::drainedForce(const SurfacePatch<D>& patch, double outside)
 {
 	for (const SurfaceNode<D>& n : patch.nodes)
-		for (int a = 0; a < D; ++a)
-			force[n.node][a] += nodal[n.node][Driving::liquidFraction] * (pressureAtNode(n.node) - outside) * n.area[a];
+		addTo<D>(force[n.node], nodal[n.node][Driving::liquidFraction] * (pressureAtNode(n.node) - outside) * n.area);
 }
 
-template <int D> void PoreWater<D>::seep(const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy)
+template <int D> void PoreWater<D>::seep(const WeightBlock<D>& w, double dt)
 {
-	typename NodeLoops<D>::Seepage s { flux[0], volume_, {}, nullptr, dt * liquidDensity, 0.0, 0.0, exchange[0] };
+	typename NodeLoops<D>::Seepage s { flux[0], volume_, {}, nullptr, dt * liquid.density, 0.0, 0.0, exchange[0] };
 	std::copy(velocity.begin(), velocity.end(), s.velocity.begin());
-	if (enthalpy) {
+	if (liquid.enthalpy) {
 		s.temperature    = temperature_;
-		s.specificHeat   = enthalpy->properties().liquid.specificHeat;
-		s.enthalpyAtZero = enthalpy->liquidEnthalpy(0.0);
+		s.specificHeat   = liquid.enthalpy->properties().liquid.specificHeat;
+		s.enthalpyAtZero = liquid.enthalpy->liquidEnthalpy(0.0);
 	}
 	nodeLoops<D>().seep(w, s);
 }
 
-template <int D>
-void PoreWater<D>::drain(
-        const StepContext<D>& step, const SurfacePatch<D>& patch, bool recharges, const LiquidOfGround& liquid, const NodeField<1>* temperature)
+template <int D> void PoreWater<D>::drain(const StepContext<D>& step, const SurfacePatch<D>& patch, bool recharges, const NodeField<1>* temperature)
 {
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		if (nodal[n.node][Driving::perLiquidMass] == 0.0) continue;
-		double m = 0.0;
-		for (int a = 0; a < D; ++a)
-			m += flux[n.node][a] * n.area[a];
-		m *= step.dt * liquid.density;
+		const double m = dot<D>(vectorAt<D>(flux[n.node]), n.area) * (step.dt * liquid.density);
 		if (m < 0.0 && !recharges) continue;
 		const double heat = liquid.enthalpy ? m * liquid.enthalpy->liquidEnthalpy((*temperature)[n.node][0]) : 0.0;
-		leave(n.node, m, heat, liquid.density, step.ledger);
+		leave(n.node, m, heat, step.ledger);
 	}
 }
 
 template <int D>
-void PoreWater<D>::feed(
-        const StepContext<D>& step, const SurfacePatch<D>& patch, double inflow, double inflowTemperature, const LiquidOfGround& liquid,
-        const NodeField<1>* temperature)
+void PoreWater<D>::feed(const StepContext<D>& step, const SurfacePatch<D>& patch, double inflow, double inflowTemperature, const NodeField<1>* temperature)
 {
 	const double scaled = inflow * scales.smallest * step.dt * liquid.density;
 	for (const SurfaceNode<D>& n : patch.nodes) {
@@ -327,7 +307,7 @@ void PoreWater<D>::feed(
 		const double m    = scaled * lengthOf<D>(n.area);
 		const bool   own  = m > 0.0 && !std::isnan(inflowTemperature);
 		const double heat = liquid.enthalpy ? m * liquid.enthalpy->liquidEnthalpy(own ? inflowTemperature : (*temperature)[n.node][0]) : 0.0;
-		leave(n.node, -m, -heat, liquid.density, step.ledger);
+		leave(n.node, -m, -heat, step.ledger);
 	}
 }
 
@@ -337,7 +317,7 @@ template <int D> void PoreWater<D>::chooseLargestConductivity(double smallestRef
 	largestConductivity = std::isnan(given) ? longestRest * smallestReferencePorosity * Permeability::gravity : given;
 }
 
-template <int D> void PoreWater<D>::leave(int node, double mass, double heat, double liquidDensity, StepLedger<D>& ledger)
+template <int D> void PoreWater<D>::leave(int node, double mass, double heat, StepLedger<D>& ledger)
 {
 	double*         r       = exchange[node];
 	StepAccount<D>& account = ledger.ofNode(node);
@@ -345,12 +325,10 @@ template <int D> void PoreWater<D>::leave(int node, double mass, double heat, do
 	r[Gathered::enthalpy] -= heat;
 	account.waterOut += mass;
 	account.enthalpyOut += heat;
-	account.waterEnergyOut += mass / liquidDensity * nodes[node][potentialAt] * nodal[node][Driving::perLiquidMass];
-	for (int a = 0; a < D; ++a) {
-		const double momentum = mass * start[node][a];
-		r[Gathered::momentum + a] -= momentum;
-		account.momentumOut[a] += momentum;
-	}
+	account.waterEnergyOut += mass / liquid.density * nodes[node][potentialAt] * nodal[node][Driving::perLiquidMass];
+	const Vec<D> momentum = mass * vectorAt<D>(start[node]);
+	addTo<D>(r + Gathered::momentum, -1.0 * momentum);
+	account.momentumOut += momentum;
 }
 
 template <int D> void PoreWater<D>::finishExchange(const ActiveRange& range)
@@ -397,17 +375,16 @@ void PoreWater<D>::gather(const WeightBlock<D>& w, double* waterMass, double* en
 	}
 }
 
-template <int D> double PoreWater<D>::reachedMobility(int cell, double volume, double dt, double liquidDensity) const
+template <int D> double PoreWater<D>::reachedMobility(int cell, double volume, double dt) const
 {
 	const double steady = freezing_[cell].mobility;
-	return steady > 0.0 ? 1.0 / (1.0 / steady + liquidDensity * liquidDensity * volume / (cells_[cell].liquidMass * dt)) : 0.0;
+	return steady > 0.0 ? 1.0 / (1.0 / steady + liquid.density * liquid.density * volume / (cells_[cell].liquidMass * dt)) : 0.0;
 }
 
-template <int D>
-void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity)
+template <int D> void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, double dt)
 {
 	const double perSpacing = grid.faceArea() * grid.inverseSpacing();
-	range.eachCell([&](int c) { freezing_[c].reached = reachedMobility(c, cells.cellVolume(c), dt, liquidDensity); });
+	range.eachCell([&](int c) { freezing_[c].reached = reachedMobility(c, cells.cellVolume(c), dt); });
 	for (int a = 0; a < D; ++a)
 		range.eachCell([&](int c) {
 			Face& face     = faces_[a][c];
@@ -417,7 +394,7 @@ void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveRange& range, cons
 			const double here = freezing_[c].reached, there = freezing_[next].reached;
 			if (!(here > 0.0 && there > 0.0)) return;
 			face.conductance = perSpacing * 2.0 * here * there / (here + there);
-			face.flow        = face.conductance * (drivingPressure(c) - drivingPressure(next) + liquidDensity * gravity[a] * grid.spacing());
+			face.flow        = face.conductance * (cells_[c].driving - cells_[next].driving + weight[a] * grid.spacing());
 		});
 }
 
@@ -430,15 +407,15 @@ template <int D> double PoreWater<D>::checkerboardFlux(const Face* faces, int fa
 	return 0.5 * f.flow - 0.25 * (beside(before) + beside(after));
 }
 
-template <int D> void PoreWater<D>::stabiliseCells(const StepContext<D>& step, const CellMeans<D>& cells, const Vec<D>& gravity, const LiquidOfGround& liquid)
+template <int D> void PoreWater<D>::stabiliseCells(const StepContext<D>& step, const CellMeans<D>& cells)
 {
 	const Grid<D>&     grid  = step.grid;
 	const ActiveRange& range = step.halo;
-	const double       dt = step.dt, liquidDensity = liquid.density;
-	findFaces(grid, range, cells, gravity, dt, liquidDensity);
+	const double       dt    = step.dt;
+	findFaces(grid, range, cells, dt);
 	const double sides      = 2.0 * (grid.isSlice() ? 2 : D);
 	const auto   inRange    = [&](int c) { return c >= range.firstCell && c < range.lastCell; };
-	const auto   compliance = [&](int c) { return cells_[c].liquidMass / (liquidDensity * settings->state.liquidBulkModulus); };
+	const auto   compliance = [&](int c) { return cells_[c].liquidMass / (liquid.density * settings->state.liquidBulkModulus); };
 	range.eachCell([&](int c) {
 		Cell& cell = cells_[c];
 		if (!(cell.liquidMass > 0.0)) return;
@@ -450,35 +427,22 @@ template <int D> void PoreWater<D>::stabiliseCells(const StepContext<D>& step, c
 				const double checkerboard = checkerboardFlux(faces_[a].data(), from, inRange(before) ? before : -1, inRange(beyond) ? to : -1);
 				if (checkerboard == 0.0) continue;
 				const double least  = std::min(compliance(from), compliance(to));
-				const double mass   = liquidDensity * dt * checkerboard / (1.0 + 2.0 * sides * dt * faces_[a][from].conductance / least);
+				const double mass   = liquid.density * dt * checkerboard / (1.0 + 2.0 * sides * dt * faces_[a][from].conductance / least);
 				const int    donor  = mass > 0.0 ? from : to;
 				const double gained = ahead ? -mass : mass, share = gained / cells_[donor].liquidMass;
 				cell.exchange[Gathered::water] += gained;
-				if (liquid.enthalpy)
-					cell.exchange[Gathered::enthalpy] += gained
-					        * liquid.enthalpy->liquidEnthalpy(freezing_[donor].warmth / cells_[donor].liquidMass);
-				for (int i = 0; i < D; ++i)
-					cell.exchange[Gathered::momentum + i] += share * freezing_[donor].carried[i];
+				if (liquid.enthalpy) cell.exchange[Gathered::enthalpy] += gained * enthalpyOfCell(donor, *liquid.enthalpy);
+				addTo<D>(cell.exchange + Gathered::momentum, share * freezing_[donor].carried);
 			}
 	});
-}
-
-template <int D> Vec<D> PoreWater<D>::velocityOfCell(int cell) const
-{
-	Vec<D> v;
-	for (int i = 0; i < D; ++i)
-		v[i] = freezing_[cell].carried[i] / cells_[cell].liquidMass;
-	return v;
 }
 
 template <int D> void PoreWater<D>::give(int cell, double mass, const EnthalpyModel& enthalpy)
 {
 	double* const exchange = cells_[cell].exchange;
-	const Vec<D>  v        = velocityOfCell(cell);
 	exchange[Gathered::water] -= mass;
 	exchange[Gathered::enthalpy] -= mass * enthalpyOfCell(cell, enthalpy);
-	for (int i = 0; i < D; ++i)
-		exchange[Gathered::momentum + i] -= mass * v[i];
+	addTo<D>(exchange + Gathered::momentum, -mass * velocityOfCell(cell));
 }
 
 template <int D> void PoreWater<D>::mixIn(int p, double mass, const Vec<D>& momentum)
@@ -490,7 +454,7 @@ template <int D> void PoreWater<D>::mixIn(int p, double mass, const Vec<D>& mome
 
 /// A cell that has all but run dry cannot give what its wet neighbours' nodes ask of it, and a trace of water gives nothing: it would
 /// shrink to nothing that can be divided by. What a cell keeps counts as having come in.
-template <int D> void PoreWater<D>::limitOutflow(const ActiveRange& range, double liquidDensity, StepLedger<D>& ledger)
+template <int D> void PoreWater<D>::limitOutflow(const ActiveRange& range, StepLedger<D>& ledger)
 {
 	for (int c = range.firstCell; c < range.lastCell; ++c) {
 		Cell&        cell = cells_[c];
@@ -501,16 +465,15 @@ template <int D> void PoreWater<D>::limitOutflow(const ActiveRange& range, doubl
 		const double    held    = cell.liquidMass * (1.0 - given);
 		account.waterOut += held * cell.exchange[Gathered::water];
 		account.enthalpyOut += held * cell.exchange[Gathered::enthalpy];
-		account.waterEnergyOut += held * cell.exchange[Gathered::water] * cell.height / liquidDensity;
-		for (int a = 0; a < D; ++a)
-			account.momentumOut[a] += held * cell.exchange[Gathered::momentum + a];
+		account.waterEnergyOut += held * cell.exchange[Gathered::water] * cell.height / liquid.density;
+		account.momentumOut += held * vectorAt<D>(cell.exchange + Gathered::momentum);
 		for (double& share : cell.exchange)
 			share *= given;
 		cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 	}
 }
 
-template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step, double liquidDensity)
+template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step)
 {
 	step.owned.eachCell([&](int c) {
 		Cell& cell = cells_[c];
@@ -520,17 +483,14 @@ template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step, doub
 			cell.exchange[i] *= perMass;
 		cell.dilution = 1.0 / (1.0 + cell.exchange[Gathered::water]);
 	});
-	limitOutflow(step.owned, liquidDensity, step.ledger);
+	limitOutflow(step.owned, step.ledger);
 }
 
 template <int D> Vec<D> PoreWater<D>::remainingVelocity(int p, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const
 {
-	const bool   stuck = isStuck(cell);
-	const double part  = -most / cell.exchange[Gathered::water];
-	Vec<D>       v;
-	for (int i = 0; i < D; ++i)
-		v[i] = stuck ? solidVelocity[i][p] : (velocity[i][p] + part * cell.exchange[Gathered::momentum + i]) / (1.0 - most);
-	return v;
+	if (isStuck(cell)) return ofPoint<D>(solidVelocity, p);
+	const double part = -most / cell.exchange[Gathered::water];
+	return (ofPoint<D>(velocity, p) + part * vectorAt<D>(cell.exchange + Gathered::momentum)) / (1.0 - most);
 }
 
 template <int D>
@@ -553,7 +513,7 @@ Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, dou
 }
 
 /// Pressure of a cell, eq. (7.5).
-template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy)
+template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range)
 {
 	range.eachCell([&](int c) {
 		Cell& cell = cells_[c];
@@ -564,22 +524,20 @@ template <int D> void PoreWater<D>::findCellPressure(const ActiveRange& range, c
 		const double  atCavitation = more.excess - more.compliance * settings->state.cavitationPressure;
 		more.level                 = atCavitation >= 0.0 ? more.excess / more.compliance : settings->state.cavitationPressure;
 		more.filled                = atCavitation >= 0.0 ? 1.0 : more.surplus / (more.surplus - atCavitation);
-		more.handed                = enthalpy ? enthalpy->liquidEnthalpy(more.warmth * perMass) : 0.0;
-		for (int i = 0; i < D; ++i)
-			more.velocity[i] = more.carried[i] * perMass;
+		more.handed                = liquid.enthalpy ? liquid.enthalpy->liquidEnthalpy(more.warmth * perMass) : 0.0;
+		more.velocity              = perMass * more.carried;
 	});
 }
 
 template <int D>
-void PoreWater<D>::findShares(
-        int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity, double* share, double* surplus) const
+void PoreWater<D>::findShares(int first, int count, const double* excess, const double* compliance, double dt, double* share, double* surplus) const
 {
 	const double* const water  = waterMass_ + first;
 	const double* const ice    = iceMass_ + first;
 	const double* const volume = volume_ + first;
 	const double* const drags  = drag + first;
-	const double        flow = dt * perHalfCell_, square = liquidDensity * liquidDensity, perStep = 1.0 / dt, lowest = settings->state.cavitationPressure;
-	const double        most    = largestLoss / liquidDensity;
+	const double        flow = dt * perHalfCell_, square = liquid.density * liquid.density, perStep = 1.0 / dt, lowest = settings->state.cavitationPressure;
+	const double        most    = largestLoss / liquid.density;
 	constexpr double    nothing = std::numeric_limits<double>::min();
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k) {
@@ -593,11 +551,10 @@ void PoreWater<D>::findShares(
 	}
 }
 
-template <int D>
-void PoreWater<D>::addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity)
+template <int D> void PoreWater<D>::addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt)
 {
 	double share[blockSize], surplus[blockSize];
-	if (!freezing_.empty()) findShares(first, count, excess, compliance, dt, liquidDensity, share, surplus);
+	if (!freezing_.empty()) findShares(first, count, excess, compliance, dt, share, surplus);
 	for (int k = 0; k < count; ++k) {
 		const int c = cells.cell(first + k);
 		cells_[c].excess += excess[k];
@@ -617,12 +574,12 @@ template <int D> double PoreWater<D>::given(const PointFill& point, const Freezi
 	return difference < 0.0 ? difference * cell.filled : difference;
 }
 
-template <int D> void PoreWater<D>::stabilisePoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity)
+template <int D> void PoreWater<D>::stabilisePoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy)
 {
-	const double perDensity = 1.0 / liquidDensity;
+	const double perDensity = 1.0 / liquid.density;
 	for (int p = first; p < last; ++p) {
 		const FreezingCell& cell = freezing_[cells.cell(p)];
-		const double        mass = liquidDensity * given(fills_[p], cell);
+		const double        mass = liquid.density * given(fills_[p], cell);
 		if (mass == 0.0) continue;
 		const double part = mass / (liquidMass(p) - mass);
 		for (int i = 0; i < D; ++i)
@@ -639,11 +596,11 @@ template <int D> void PoreWater<D>::shareCellPressure(const CellMeans<D>& cells,
 		pressure[p] = cells_[cells.cell(p)].fillPressure;
 }
 
-template <int D> void PoreWater<D>::bookSeepageWork(const ActiveRange& range, double share, double liquidDensity, StepLedger<D>& ledger) const
+template <int D> void PoreWater<D>::bookSeepageWork(const ActiveRange& range, double share, StepLedger<D>& ledger) const
 {
 	for (int c = range.firstCell; c < range.lastCell; ++c)
 		if (cells_[c].liquidMass > 0.0) {
-			const double work = share / liquidDensity * cells_[c].fillPressure * (cells_[c].liquidMass * cells_[c].exchange[Gathered::water]);
+			const double work = share / liquid.density * cells_[c].fillPressure * (cells_[c].liquidMass * cells_[c].exchange[Gathered::water]);
 			ledger.ofCell(c).porePressureWork += work;
 			ledger.ofCell(c).workAhead += work;
 		}

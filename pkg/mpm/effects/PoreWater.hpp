@@ -73,7 +73,7 @@ public:
 	/// on a frozen one: p = phi u + (1 - phi) p_f, with the part phi that has thawed since it was like its most frozen neighbour and that
 	/// neighbour's pressure p_f. Its liquid feels u. If it felt the mean, the load that the ice of the whole cell bore would leave as soon
 	/// as the cell conducts, and the pressure behind the front would pulse from cell to cell.
-	void findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double liquidDensity);
+	void findDrivingPressure(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells);
 
 	/// cells null: without cell means. Maps capacity and capacity times (temperature - carriedFrom) along, if not null, where records Liquid
 	/// have columns for them.
@@ -94,13 +94,11 @@ public:
 	void liquidForce(const ActiveRange& range);
 	void drainedForce(const SurfacePatch<D>& patch, double pressure);
 	/// Mass, momentum and, with an enthalpy model, enthalpy that flows in dt.
-	void seep(const WeightBlock<D>& w, double dt, double liquidDensity, const EnthalpyModel* enthalpy);
+	void seep(const WeightBlock<D>& w, double dt);
 	/// What leaves through a drained surface.
-	void drain(const StepContext<D>& step, const SurfacePatch<D>& patch, bool recharges, const LiquidOfGround& liquid, const NodeField<1>* temperature);
+	void drain(const StepContext<D>& step, const SurfacePatch<D>& patch, bool recharges, const NodeField<1>* temperature);
 	/// What is fed through a surface, inflow [m/s] into the ground; temperature of water that enters [degC], NaN: that of the node.
-	void feed(
-	        const StepContext<D>& step, const SurfacePatch<D>& patch, double inflow, double inflowTemperature, const LiquidOfGround& liquid,
-	        const NodeField<1>* temperature);
+	void feed(const StepContext<D>& step, const SurfacePatch<D>& patch, double inflow, double inflowTemperature, const NodeField<1>* temperature);
 	void finishExchange(const ActiveRange& range);
 	/// Velocity of a block, and what seepage brings: to the points, or to their cells for receive().
 	/// increment (may be null): receives the sums S increment of heat, where its column lies in the same record.
@@ -108,7 +106,7 @@ public:
 	/// Adds to the exchange of cells, when all of it was gathered, what evens out between neighbours in dt: a pressure that is too high
 	/// and too low by turns has no gradient at the nodes, so that no flux of theirs would ever level it. In ground that freezes: every
 	/// cell that thaws leaves such a pulse of the load that its ice and water bore.
-	void stabiliseCells(const StepContext<D>& step, const CellMeans<D>& cells, const Vec<D>& gravity, const LiquidOfGround& liquid);
+	void stabiliseCells(const StepContext<D>& step, const CellMeans<D>& cells);
 	// Of the liquid of a cell in ground that freezes, at the start of the step; what ice segregation takes from it, and gives to points.
 	double pressureOfCell(int cell) const { return cells_[cell].pressure; }
 	double heightOfCell(int cell) const { return cells_[cell].height; } ///< gravity's potential per volume [Pa]
@@ -117,34 +115,33 @@ public:
 	{
 		return enthalpy.liquidEnthalpy(freezing_[cell].warmth / cells_[cell].liquidMass);
 	}
-	Vec<D> velocityOfCell(int cell) const;
+	Vec<D> velocityOfCell(int cell) const { return freezing_[cell].carried / cells_[cell].liquidMass; }
 	/// Before finishCells().
 	void give(int cell, double mass, const EnthalpyModel& enthalpy);
 	/// Before the water mass of the point grows.
 	void mixIn(int place, double mass, const Vec<D>& momentum);
 	/// Exchange of each cell per liquid mass.
-	void finishCells(const StepContext<D>& step, double liquidDensity);
-	void limitOutflow(const ActiveRange& range, double liquidDensity, StepLedger<D>& ledger);
+	void finishCells(const StepContext<D>& step);
 	/// Hands what cells gathered to points first .. last: mass, momentum and (if enthalpy is not null) enthalpy. Returns momentum that the
 	/// water of cells that run dry gave up, see remainingVelocity: it has gone out with the water [N s].
 	Vec<D> receive(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, const std::array<double*, D>& solidVelocity);
 
 	/// Adds to the cells of some points from first on the unstressed volume of liquid and ice less the pore volume [m^D], and their compliance
 	/// [m^D/Pa]; in ground that freezes also for stabilisePoints() in the step dt. Call within MaterialPoints::strips().scatter.
-	void addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity);
-	/// Pressure of each cell from what fills it, when all points were added. enthalpy null: ground without heat.
-	void findCellPressure(const ActiveRange& range, const EnthalpyModel* enthalpy);
+	void addFills(const CellMeans<D>& cells, int first, int count, const double* excess, const double* compliance, double dt);
+	/// Pressure of each cell from what fills it, when all points were added.
+	void findCellPressure(const ActiveRange& range);
 	/// Hands water on between the points of a cell, in ground that freezes: a point that holds more than its pores, at the pressure of its
 	/// cell, gives to those that hold less, eq. (7.7). Exchange by seepage is even within a cell, so that nothing else would ever bring the
 	/// water of a point and its pores together, and the point would carry the difference, as a pressure, into the next cell.
 	/// Call when the cells have their pressure. enthalpy null: ground without heat.
-	void stabilisePoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy, double liquidDensity);
+	void stabilisePoints(const CellMeans<D>& cells, int first, int last, double* waterMass, double* enthalpy);
 	/// Gives the points first .. last the pressure of their cell: that of all its liquid and ice in all its pores. Temperature
 	/// differs between the points of a cell by more than the grid can resolve; pressures of their own would follow with the
 	/// stiffness of water, and cavitation would cut off only the low ones.
 	void shareCellPressure(const CellMeans<D>& cells, int first, int last);
 	/// Books the work of the pressure of cells on the water that they received in the step, times a share.
-	void bookSeepageWork(const ActiveRange& range, double share, double liquidDensity, StepLedger<D>& ledger) const;
+	void bookSeepageWork(const ActiveRange& range, double share, StepLedger<D>& ledger) const;
 
 	/// By what the pressure that drives the liquid of a cell differs from that of the cell, see findDrivingPressure [Pa].
 	double drivingExcess(int cell) const { return cells_[cell].driving - cells_[cell].pressure; }
@@ -154,6 +151,7 @@ public:
 	void setCellPressure(int cell, double pressure) { cells_[cell].fillPressure = pressure; }
 
 	const WaterSettings* settings;
+	LiquidOfGround       liquid {};
 	Vec<D>               weight {};  ///< rho_l g in this step [N/m^3]
 	double               kept = 1.0; ///< chi of the liquid in this step, see keptFraction()
 
@@ -193,7 +191,8 @@ private:
 	};
 	/// More of a cell in ground that freezes: sums of drag, mass of liquid and ice, liquid mass times temperature and times velocity.
 	struct FreezingCell {
-		double drag, contentMass, warmth, carried[D];
+		double drag, contentMass, warmth;
+		Vec<D> carried;
 		double mobility;           ///< k/(rho_l g), with the drag of all that it holds [m^2/(Pa s)]
 		double reached;            ///< mobility with which water at rest flows at the end of the step: its inertia holds it back where drag does not
 		double excess, compliance; ///< sums of addFills, each times the share that its point levels in the step
@@ -201,7 +200,7 @@ private:
 		double level;              ///< pressure at which what its points give is what they take [Pa]
 		double filled;             ///< share of the room of its points that they fill where there is more room than surplus [-]
 		double handed;             ///< enthalpy of the water that they hand on [J/kg]
-		double velocity[D];        ///< of that water [m/s]
+		Vec<D> velocity;           ///< of that water [m/s]
 	};
 	/// Of a point at the end of a step: see addFills, and the share of its difference from the cell that it levels in the step.
 	struct PointFill {
@@ -211,7 +210,6 @@ private:
 	struct Face {
 		double conductance, flow;
 	};
-	double drivingPressure(int cell) const { return cells_[cell].driving; }
 	/// True if far more water flows through a cell than it holds.
 	bool isStuck(const Cell& cell) const { return cell.liquidMass < stuckMass_; }
 	/// Velocity of what stays in a cell that runs dry; call before take(). Water that leaves takes the velocity of the nodes along. What
@@ -219,17 +217,17 @@ private:
 	/// `most` had left, which the points' approach to the nodes' velocity makes up for. The last water moves with its grains.
 	Vec<D> remainingVelocity(int place, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const;
 	/// From the sums of a cell; later in the step FreezingCell has them.
-	double mobility(int cell, double volume, double liquidDensity) const;
+	double mobility(int cell, double volume) const;
 	/// The driving pressure of a cell at a thaw front, its mean pressure anywhere else.
-	double thawedPressure(const Grid<D>& grid, const ActiveRange& range, int cell, const Vec<D>& weight) const;
+	double thawedPressure(const Grid<D>& grid, const ActiveRange& range, int cell) const;
 	/// Part of the flow that the nodes do not see: what a flow that changes evenly from face to face has none of.
 	/// before, after: the faces beside it along the axis, -1 for none.
 	double checkerboardFlux(const Face* faces, int face, int before, int after) const;
-	double reachedMobility(int cell, double volume, double dt, double liquidDensity) const;
-	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, const Vec<D>& gravity, double dt, double liquidDensity);
+	double reachedMobility(int cell, double volume, double dt) const;
+	void   findFaces(const Grid<D>& grid, const ActiveRange& range, const CellMeans<D>& cells, double dt);
 	/// s_p of eq. (7.7) and the surplus of some points from first on, and the former for stabilisePoints().
 	TALIK_PROCESSOR_VERSIONS void findShares(
-	        int first, int count, const double* excess, const double* compliance, double dt, double liquidDensity, double* share, double* surplus) const;
+	        int first, int count, const double* excess, const double* compliance, double dt, double* share, double* surplus) const;
 	/// Volume that a point gives to the others of its cell in the step [m^D].
 	double                          given(const PointFill& point, const FreezingCell& cell) const;
 	double                          traceMass_ = 0.0, stuckMass_ = 0.0; ///< of a cell [kg]
@@ -237,7 +235,8 @@ private:
 	std::array<PagedArray<Face>, D> faces_;
 
 	/// Mass and enthalpy that leave a node through the surface, with the momentum of the water there.
-	void leave(int node, double mass, double heat, double liquidDensity, StepLedger<D>& ledger);
+	void leave(int node, double mass, double heat, StepLedger<D>& ledger);
+	void limitOutflow(const ActiveRange& range, StepLedger<D>& ledger);
 	/// What a block maps to the nodes, number by number of their record.
 	TALIK_PROCESSOR_VERSIONS void fillRecords(
 	        const WeightBlock<D>& w, const double (&driving)[blockSize], const double (&potential)[blockSize],

@@ -14,32 +14,14 @@ namespace {
 	};
 	TALIK_PROCESSOR_VERSIONS Extent extentOf(int count, const double* x)
 	{
-		constexpr int lanes = 32; // independent of each other, and too many to be unrolled: the compiler makes vectors of them
-		double        low[lanes], high[lanes], notFinite[lanes];
-		for (int l = 0; l < lanes; ++l) {
-			low[l] = high[l] = x[0];
-			notFinite[l]     = 0.0;
+		double low = x[0], high = x[0], notFinite = 0.0;
+#pragma omp simd reduction(min : low) reduction(max : high) reduction(+ : notFinite)
+		for (int k = 0; k < count; ++k) {
+			low  = x[k] < low ? x[k] : low;
+			high = x[k] > high ? x[k] : high;
+			notFinite += x[k] - x[k];
 		}
-		int k = 0;
-		for (; k + lanes <= count; k += lanes)
-			for (int l = 0; l < lanes; ++l) {
-				const double value = x[k + l];
-				low[l]             = value < low[l] ? value : low[l];
-				high[l]            = value > high[l] ? value : high[l];
-				notFinite[l] += value - value;
-			}
-		for (; k < count; ++k) {
-			low[0]  = x[k] < low[0] ? x[k] : low[0];
-			high[0] = x[k] > high[0] ? x[k] : high[0];
-			notFinite[0] += x[k] - x[k];
-		}
-		Extent all { low[0], high[0], notFinite[0] == 0.0 };
-		for (int l = 1; l < lanes; ++l) {
-			all.low     = low[l] < all.low ? low[l] : all.low;
-			all.high    = high[l] > all.high ? high[l] : all.high;
-			all.numbers = all.numbers && notFinite[l] == 0.0;
-		}
-		return all;
+		return { low, high, notFinite == 0.0 };
 	}
 } // namespace
 

@@ -11,13 +11,16 @@ namespace talik {
 namespace {
 	// ground laid against a body touches it, give or take round-off
 	constexpr double laidAgainst = 1.01;
-	/// a + factor b.
-	template <int D> Vec<D> plus(const Vec<D>& a, double factor, const Vec<D>& b)
+
+	/// work(node, S) for the nodes of the face of a point, see ShapeFunction::moveToFace. Leaves the weights of the face in w.
+	template <int D, class Work>
+	void overFace(
+	        const Grid<D>& grid, const ShapeFunction<D>& shape, const MaterialPoints<D>& points, int p, const Vec<D>& toFace, WeightBlock<D>& w,
+	        Work&& work)
 	{
-		Vec<D> sum;
-		for (int i = 0; i < D; ++i)
-			sum[i] = a[i] + factor * b[i];
-		return sum;
+		shape.evaluate(grid, points.positions(), p, 1, w);
+		shape.moveToFace(grid, toFace, 0, w);
+		overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) { work(node, s); });
 	}
 
 	/// Largest step of a mass on a spring with a dashpot, stepped by symplectic Euler: k dt^2/m + 2 c dt/m < 4. A body and two contacts
@@ -178,15 +181,10 @@ template <int D> void RigidContact<D>::keepDeepest(const Candidate& c, Candidate
 template <int D> void RigidContact<D>::press(int p, Candidate& c, double dt, std::vector<Touch>& touches) const
 {
 	const RigidBody<D>& body   = bodies[c.body];
-	const Vec<D>        normal = body.turned(c.surface.normal);
-	Vec<D>              x, v;
-	for (int a = 0; a < D; ++a) {
-		x[a] = points_->position(a)[p];
-		v[a] = velocity_[a][p];
-	}
-	const Vec<D> touched  = plus<D>(x, -c.surface.distance, normal);
-	const Vec<D> arm      = plus<D>(touched, -1.0, body.position);
-	const Vec<D> slipping = plus<D>(plus<D>(v, -1.0, body.velocity), -1.0, cross(body.spin, arm));
+	const Vec<D>        normal = body.turned(c.surface.normal), x = points_->at(p);
+	const Vec<D>        touched  = x - c.surface.distance * normal;
+	const Vec<D>        arm      = touched - body.position;
+	const Vec<D>        slipping = ofPoint<D>(velocity_, p) - body.velocity - cross(body.spin, arm);
 
 	const double spring  = stiffness_ * area(p);
 	const double dashpot = this->dashpot(spring, mass_[p]);
@@ -199,28 +197,20 @@ template <int D> void RigidContact<D>::press(int p, Candidate& c, double dt, std
 	if (m.key == 0) {
 		m.key    = c.side * (body.id + 1);
 		m.anchor = body.toFrame(touched);
-		m.offset = plus<D>(x, -1.0, touched);
+		m.offset = x - touched;
 	}
-	const Vec<D> anchor   = plus<D>(body.position, 1.0, body.turned(m.anchor));
-	Vec<D>       slid     = plus<D>(plus<D>(x, -1.0, anchor), -1.0, m.offset);
-	slid                  = plus<D>(slid, -dot<D>(slid, normal), normal);
-	const Vec<D> sideways = plus<D>(slipping, -dot<D>(slipping, normal), normal);
-	const double shear    = settings_.shearRatio * spring;
-	Vec<D>       friction {};
-	friction          = plus<D>(friction, -shear, slid);
-	friction          = plus<D>(friction, -std::sqrt(settings_.shearRatio) * dashpot, sideways);
-	const double most = body.friction * pressing, wanted = std::sqrt(dot<D>(friction, friction));
+	const auto   alongSurface = [&](const Vec<D>& v) { return v - dot<D>(v, normal) * normal; };
+	const Vec<D> anchor       = body.position + body.turned(m.anchor);
+	const double shear        = settings_.shearRatio * spring;
+	Vec<D>       friction     = -shear * alongSurface(x - anchor - m.offset) - std::sqrt(settings_.shearRatio) * dashpot * alongSurface(slipping);
+	const double most = body.friction * pressing, wanted = lengthOf<D>(friction);
 	if (wanted > most) {
-		for (int a = 0; a < D; ++a)
-			friction[a] *= most / wanted;
+		friction = most / wanted * friction;
 		m.anchor = body.toFrame(touched);
-		m.offset = plus<D>(plus<D>(x, -1.0, touched), 1.0 / shear, friction);
+		m.offset = x - touched + 1.0 / shear * friction;
 	}
-	const Vec<D> onPoint = plus<D>(friction, pressing, normal);
-	Touch        touch { p, onPoint, plus<D>({}, -halfSize(p), normal), c.body, {}, {} };
-	touch.impulse        = plus<D>(touch.impulse, -dt, onPoint);
-	touch.angularImpulse = moment(arm, touch.impulse);
-	touches.push_back(touch);
+	const Vec<D> onPoint = friction + pressing * normal, impulse = -dt * onPoint;
+	touches.push_back({ p, onPoint, -halfSize(p) * normal, c.body, impulse, moment(arm, impulse) });
 }
 
 template <int D> void RigidContact<D>::pushPoint(int p, const std::vector<int>& near, double dt, std::vector<Touch>& touches)
@@ -294,12 +284,9 @@ template <int D> void RigidContact<D>::deliver(Vec<D>& impulse)
 		for (const Touch& t : touches) {
 			RigidBody<D>& body = bodies[t.body];
 			++contacts_;
-			for (int i = 0; i < D; ++i) {
-				body.impulse[i] += t.impulse[i];
-				impulse[i] -= t.impulse[i];
-			}
-			for (std::size_t i = 0; i < t.angularImpulse.size(); ++i)
-				body.angularImpulse[i] += t.angularImpulse[i];
+			body.impulse += t.impulse;
+			body.angularImpulse += t.angularImpulse;
+			impulse += -1.0 * t.impulse;
 		}
 }
 
@@ -314,7 +301,6 @@ void RigidContact<D>::push(
 	const Strips&  strips = step.strips;
 	touches_.resize(strips.count());
 	near_.resize(strips.count());
-	const std::array<const double*, D> x = points_->positions();
 	strips.scatter(
 	        [&](int strip, int first, int last) {
 		        std::vector<Touch>& touches = touches_[strip];
@@ -327,11 +313,8 @@ void RigidContact<D>::push(
 				        pushPoint(begin + k, near_[strip], step.dt, touches);
 		        }
 		        for (const Touch& t : touches) {
-			        shape.evaluate(grid, x, t.place, 1, w);
-			        shape.moveToFace(grid, t.toFace, 0, w);
-			        overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
-				        for (int i = 0; i < D; ++i)
-					        nodes[node][SolidMotion<D>::forceAt + i] += s * t.force[i];
+			        overFace<D>(grid, shape, *points_, t.place, t.toFace, w, [&](int node, double s) {
+				        addTo<D>(nodes[node] + SolidMotion<D>::forceAt, s * t.force);
 			        });
 			        if (front) front->push(w, 0, t.force);
 		        }
@@ -347,8 +330,6 @@ void RigidContact<D>::push(
 
 template <int D> void RigidContact<D>::cover(const StepContext<D>& step, const ShapeFunction<D>& shape, FreeSurface<D>& surface) const
 {
-	const Grid<D>&                     grid = step.grid;
-	const std::array<const double*, D> x    = points_->positions();
 	points_->strips().scatter(
 	        [&](int, int first, int last) {
 		        WeightBlock<D> w;
@@ -359,18 +340,12 @@ template <int D> void RigidContact<D>::cover(const StepContext<D>& step, const S
 				        const auto   b = std::find_if(
 				                  bodies.begin(), bodies.end(), [&](const RigidBody<D>& body) { return body.id + 1 == std::abs(m.key); });
 				        if (b == bodies.end()) continue;
-				        Vec<D> place;
-				        for (int a = 0; a < D; ++a)
-					        place[a] = x[a][p];
-				        const NearestSurface<D> touched = b->shape->nearest(b->toFrame(place), b->size, m.key > 0 ? 1 : -1);
+				        const NearestSurface<D> touched = b->shape->nearest(b->toFrame(points_->at(p)), b->size, m.key > 0 ? 1 : -1);
 				        if (touched.distance > m.radius) continue;
 				        const Vec<D> normal = b->turned(touched.normal);
 				        const double face   = area(p);
-				        shape.evaluate(grid, x, p, 1, w);
-				        shape.moveToFace(grid, plus<D>({}, -halfSize(p), normal), 0, w);
-				        overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) {
-					        for (int i = 0; i < D; ++i)
-						        surface.nodes[node][i] += s * face * normal[i];
+				        overFace<D>(step.grid, shape, *points_, p, -halfSize(p) * normal, w, [&](int node, double s) {
+					        addTo<D>(surface.nodes[node], s * face * normal);
 				        });
 			        }
 	        },
@@ -404,13 +379,11 @@ template <int D> typename RigidContact<D>::Facing RigidContact<D>::faced(int p, 
 template <int D>
 void RigidContact<D>::collectFaces(const StepContext<D>& step, const ShapeFunction<D>& shape, const std::vector<int>& ids, SurfacePatch<D>& patch)
 {
-	const Grid<D>&     grid  = step.grid;
 	const ActiveRange& range = step.halo;
 	boxBodies();
 	range.overNodes([&](int, int first, int last) { faces_.clear(first, last); });
 	const Strips& strips = points_->strips();
 	near_.resize(strips.count());
-	const std::array<const double*, D> x = points_->positions();
 	strips.scatter(
 	        [&](int strip, int first, int last) {
 		        WeightBlock<D> w;
@@ -420,9 +393,9 @@ void RigidContact<D>::collectFaces(const StepContext<D>& step, const ShapeFuncti
 			        for (int p = begin; p < begin + count && !near_[strip].empty(); ++p) {
 				        const Facing facing = faced(p, near_[strip], ids);
 				        if (facing.area == 0.0) continue;
-				        shape.evaluate(grid, x, p, 1, w);
-				        shape.moveToFace(grid, plus<D>({}, -halfSize(p), facing.normal), 0, w);
-				        overNodes<D>(w, 0, [&](int node, double s, const Vec<D>&) { faces_[node][0] += s * facing.area; });
+				        overFace<D>(step.grid, shape, *points_, p, -halfSize(p) * facing.normal, w, [&](int node, double s) {
+					        faces_[node][0] += s * facing.area;
+				        });
 			        }
 		        }
 	        },

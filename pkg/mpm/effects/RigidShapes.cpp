@@ -9,23 +9,21 @@ namespace talik {
 namespace {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
 
-	template <int D> double length(const Vec<D>& v)
-	{
-		double sum = 0.0;
-		for (double c : v)
-			sum += c * c;
-		return std::sqrt(sum);
-	}
-
 	/// Away from a place; along the first axis where the two coincide.
 	template <int D> NearestSurface<D> awayFrom(const Vec<D>& offset, double radius)
 	{
-		const double      d = length<D>(offset);
+		const double      d = lengthOf<D>(offset);
 		NearestSurface<D> s { d - radius, {} };
-		if (d > 0.0)
-			for (int a = 0; a < D; ++a)
-				s.normal[a] = offset[a] / d;
+		if (d > 0.0) s.normal = offset / d;
 		else s.normal[0] = 1.0;
+		return s;
+	}
+
+	/// The side of a thin surface across the first axis.
+	template <int D> NearestSurface<D> across(const Vec<D>& x, int side)
+	{
+		NearestSurface<D> s { side * x[0], {} };
+		s.normal[0] = side;
 		return s;
 	}
 
@@ -73,13 +71,8 @@ namespace {
 	template <int D> class Plane final : public RigidShape<D> {
 	public:
 		std::string       name() const override { return "plane"; }
-		NearestSurface<D> nearest(const Vec<D>& x, const Vec<D>&, int side) const override
-		{
-			NearestSurface<D> s { side * x[0], {} };
-			s.normal[0] = side;
-			return s;
-		}
-		Vec<D> reach(const Vec<D>&) const override
+		NearestSurface<D> nearest(const Vec<D>& x, const Vec<D>&, int side) const override { return across<D>(x, side); }
+		Vec<D>            reach(const Vec<D>&) const override
 		{
 			Vec<D> r;
 			r.fill(infinity);
@@ -103,10 +96,7 @@ namespace {
 				offset[a] = std::copysign(beyond, x[a]);
 				beside    = true;
 			}
-			if (beside) return awayFrom<D>(offset, 0.0);
-			NearestSurface<D> s { side * x[0], {} };
-			s.normal[0] = side;
-			return s;
+			return beside ? awayFrom<D>(offset, 0.0) : across<D>(x, side);
 		}
 		Vec<D> reach(const Vec<D>& size) const override
 		{
@@ -129,18 +119,14 @@ namespace {
 			Vec<3>                       offset {};
 			for (int k = 0; k < 3; ++k) {
 				const InPlane &from = corners[k], &to = corners[(k + 1) % 3];
-				const InPlane  edge { to[0] - from[0], to[1] - from[1] }, way { at[0] - from[0], at[1] - from[1] };
-				inside              = inside && edge[0] * way[1] - edge[1] * way[0] >= 0.0; // corners run counter-clockwise
-				const double  share = (edge[0] * way[0] + edge[1] * way[1]) / (edge[0] * edge[0] + edge[1] * edge[1]);
-				const double  t     = std::min(1.0, std::max(0.0, share));
-				const InPlane from0 { way[0] - t * edge[0], way[1] - t * edge[1] };
-				const double  square = from0[0] * from0[0] + from0[1] * from0[1];
+				const InPlane  edge = to - from, way = at - from;
+				inside               = inside && edge[0] * way[1] - edge[1] * way[0] >= 0.0; // corners run counter-clockwise
+				const double  share  = dot<2>(edge, way) / dot<2>(edge, edge);
+				const InPlane from0  = way - std::min(1.0, std::max(0.0, share)) * edge;
+				const double  square = dot<2>(from0, from0);
 				if (square < nearest) nearest = square, offset = { x[0], from0[0], from0[1] };
 			}
-			if (!inside) return awayFrom<3>(offset, 0.0);
-			NearestSurface<3> s { side * x[0], {} };
-			s.normal[0] = side;
-			return s;
+			return inside ? across<3>(x, side) : awayFrom<3>(offset, 0.0);
 		}
 		Vec<3> reach(const Vec<3>& size) const override { return { 0.0, std::max({ size[0], std::abs(size[1]), size[2] }), size[2] }; }
 		bool   thin() const override { return true; }

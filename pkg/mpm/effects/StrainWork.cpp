@@ -83,8 +83,7 @@ void StrainWork<D>::bookStart(
 }
 
 template <int D>
-void StrainWork<D>::bookEnd(
-        const StepContext<D>& step, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water, double liquidDensity) const
+void StrainWork<D>::bookEnd(const StepContext<D>& step, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water) const
 {
 	const double share = 1.0 - pressureAtStart;
 	step.bookByStrip([&](StepAccount<D>& account, int first, int last) {
@@ -94,7 +93,7 @@ void StrainWork<D>::bookEnd(
 		account.porePressureWork += ofPressure;
 		account.workAhead += ofStress + (pressureActsNow ? 0.0 : ofPressure);
 	});
-	if (water && share != 0.0) water->bookSeepageWork(step.owned, share, liquidDensity, step.ledger);
+	if (water && share != 0.0) water->bookSeepageWork(step.owned, share, step.ledger);
 }
 
 TALIK_IN_PLANE_AND_SPACE(StrainWork);

@@ -22,8 +22,7 @@ public:
 	        const StepContext<D>& step, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water,
 	        const CellMeans<D>* means) const;
 	/// When stress and pressure are those of the end.
-	void bookEnd(const StepContext<D>& step, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water, double liquidDensity)
-	        const;
+	void bookEnd(const StepContext<D>& step, const MaterialPoints<D>& points, const SolidMotion<D>& motion, const PoreWater<D>* water) const;
 
 private:
 	TALIK_PROCESSOR_VERSIONS static double skeletonWork(

@@ -30,9 +30,7 @@ namespace {
 			Vec<D> free = directionOf<D>(records.sums(slot));
 			for (int a = 0; a < D; ++a)
 				if (in.constraints.solidFixed(node, a) || in.constraints.solidFixed(in.nodes.node(slot), a)) free[a] = 0.0;
-			if (!(dot<D>(own, free) > 0.0)) return;
-			for (int a = 0; a < D; ++a)
-				sum[a] += free[a];
+			if (dot<D>(own, free) > 0.0) sum += free;
 		});
 		return sum;
 	}
@@ -66,9 +64,8 @@ namespace {
 		c.normal            = directionAround<D>(in, records, node, own);
 		const double length = lengthOf<D>(c.normal);
 		if (!(length > 0.0)) return false;
-		for (double& component : c.normal)
-			component /= length;
-		c.area = areaOf<D>(in, sums, node, c.normal);
+		c.normal = c.normal / length;
+		c.area   = areaOf<D>(in, sums, node, c.normal);
 		return true;
 	}
 
@@ -156,14 +153,7 @@ namespace {
 	}
 
 	/// The jump along the front [m/s].
-	template <int D> Vec<D> slipOf(const ContactNode<D>& c)
-	{
-		const double opening = dot<D>(c.jump, c.normal);
-		Vec<D>       slip    = c.jump;
-		for (int i = 0; i < D; ++i)
-			slip[i] -= opening * c.normal[i];
-		return slip;
-	}
+	template <int D> Vec<D> slipOf(const ContactNode<D>& c) { return c.jump - dot<D>(c.jump, c.normal) * c.normal; }
 
 	/// What the nodes around bear together, eqs. (20.2a) and (20.2b): one node alone tells little of what water bears, and on a front that is inclined to
 	/// the grid it has the traction of a step of the front.
@@ -179,9 +169,7 @@ namespace {
 			if (!c.together || c.cohesion > R<D>::mostStated) return;
 			cohesion += c.cohesion * c.area;
 			friction += c.friction * c.reaction;
-			const Vec<D> slip = slipOf<D>(c);
-			for (int i = 0; i < D; ++i)
-				asked[i] += c.reducedMass * slip[i];
+			asked += c.reducedMass * slipOf<D>(c);
 		});
 		ContactNode<D>& c = contacts[slot];
 		if (reaction > 0.0) c.carried = 1.0 - std::clamp(buoyancy / reaction, 0.0, 1.0);
@@ -247,9 +235,8 @@ namespace {
 				if (in.water) s[R<D>::liquidGainAt + a] = c.follows * velocity + (1.0 - c.follows - keptLiquid) * d.liquid[side][a];
 			}
 		}
-		const double opened = dot<D>(c.jump, c.normal);
-		for (int a = 0; a < D; ++a)
-			answer[R<D>::Slip::at + R<D>::Slip::velocity + a] = c.jump[a] - opened * c.normal[a];
+		const Vec<D> slip = slipOf<D>(c);
+		std::copy(slip.begin(), slip.end(), answer + R<D>::Slip::at + R<D>::Slip::velocity);
 	}
 } // namespace
 

@@ -30,15 +30,33 @@ public:
 	/// The points as their effects have them.
 	using Points = typename FrontTransfer<D>::Points;
 
-	ThawFront(PointFields& fields, const ThawFrontSettings& settings);
-	void bind(MaterialPoints<D>& points, const Grid<D>& grid, bool water);
+	ThawFront(PointFields& fields, const ThawFrontSettings& settings)
+	        : transfer_(settings.constants)
+	        , constants_(settings.constants)
+	{
+		fields.declare("frozenSide", "thaw front", "-", side_);
+		fields.declare("slip", "thaw front", "m", slip_);
+	}
+	void bind(MaterialPoints<D>& points, const Grid<D>& grid, bool water)
+	{
+		nodes_.bind(grid, points, side_);
+		transfer_.bind(nodes_, records_, slip_, points.capacity(), water);
+	}
 	/// Sides of all points at the start of the scene, from their ice saturation, by place [-].
 	void start(int first, int end, const double* iceSaturation) { nodes_.start(first, end, iceSaturation); }
 	/// Only points of this part are used from now on; all others are zero and take no memory.
-	void keepOnly(int firstPoint, int endPoint);
+	void keepOnly(int firstPoint, int endPoint)
+	{
+		nodes_.keepOnly(firstPoint, endPoint);
+		transfer_.keepOnly(firstPoint, endPoint);
+	}
 
 	/// Detection: sides of the points and the front nodes of the step, see FrontNodes::find.
-	void find(const StepContext<D>& step, const double* iceSaturation, const Mirrors& mirrors, const std::vector<int>& freeLiquid);
+	void find(const StepContext<D>& step, const double* iceSaturation, const Mirrors& mirrors, const std::vector<int>& freeLiquid)
+	{
+		nodes_.find(step, iceSaturation, mirrors, freeLiquid);
+		records_.clear(nodes_.count());
+	}
 	void exceptFromMeans(CellMeans<D>& cells, int first, int last) const { nodes_.exceptFromMeans(cells, first, last); }
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
@@ -57,14 +75,27 @@ public:
 	void pushNode(int place, int node, const Vec<D>& force) { transfer_.pushNode(place, node, force); }
 	void addGravity(const Vec<D>& gravity) { transfer_.addGravity(gravity); }
 	/// Gives the frozen side its part of a surface load [N] on a node of this mass [kg]; call before mirrors are folded.
-	void addLoad(int node, double mass, const Vec<D>& force);
+	void addLoad(int node, double mass, const Vec<D>& force)
+	{
+		if (present() && nodes_.slot(node) >= 0) transfer_.addLoad(nodes_.slot(node), mass, force);
+	}
 	/// What map() and push() add to.
 	void shareMapped(const Grid<D>& grid, HaloExchange& rows) { transfer_.shareMapped(nodes_.rowStarts(grid), rows); }
 	/// Contact and walls: corrections of the velocities that motion and water (null in ground without) have on the nodes. Call when mirrors are folded
 	/// and before they are unfolded. Books what the force between the sides takes from their slip, and what walls give to the sides apart.
 	void solve(
 	        const StepContext<D>& step, const SolidMotion<D>& motion, const PoreWater<D>* water, const MotionConstraints<D>& constraints,
-	        const Mirrors& mirrors);
+	        const Mirrors& mirrors)
+	{
+		if (!present()) return;
+		walls_.applySymmetry(step, nodes_, mirrors, records_);
+		walls_.pushAhead(step, nodes_, mirrors, motion, records_);
+		contact_.solve(step, { nodes_, motion, water, constraints, constants_, step.dt }, records_, work_);
+		walls_.leadWalls(step, nodes_, mirrors, motion, contact_, water != nullptr, records_);
+		walls_.unfold(step, nodes_, mirrors, records_);
+		for (int slot = 0; slot < nodes_.count(); ++slot)
+			step.ledger.ofNode(nodes_.node(slot)).slipWork += work_[slot];
+	}
 	/// Transfer to the points: corrects velocity, displacement, position and displacement gradient of a block; affine may be null.
 	void gather(const StepContext<D>& step, const WeightBlock<D>& w, const Points& points, const AffineVelocity<D>* affine)
 	{
@@ -74,7 +105,7 @@ public:
 	const double* correction(int node, int place) const { return transfer_.correction(node, place); }
 
 private:
-	PointFields::Handle sideField_, slipField_;
+	double *            side_ = nullptr, *slip_ = nullptr;
 	FrontNodes<D>       nodes_;
 	FrontRecords<D>     records_;
 	FrontTransfer<D>    transfer_;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace talik {
 
@@ -112,31 +111,15 @@ namespace {
 		}
 		static constexpr double halfWidth = 0.25;
 	};
-
-	template <int D> using Make = std::unique_ptr<ShapeFunction<D>> (*)();
-	template <int D, class Shape> std::unique_ptr<ShapeFunction<D>> make() { return std::make_unique<Shape>(); }
-
-	template <int D> const std::vector<std::pair<const char*, Make<D>>>& table()
-	{
-		static const std::vector<std::pair<const char*, Make<D>>> entries {
-			{ "quadraticBSpline", &make<D, QuadraticBSpline<D>> },
-			{ "gimp", &make<D, Gimp<D>> },
-		};
-		return entries;
-	}
 } // namespace
 
-std::vector<std::string> shapeFunctionNames()
-{
-	std::vector<std::string> names;
-	for (const auto& entry : table<2>())
-		names.emplace_back(entry.first);
-	return names;
-}
+std::vector<std::string> shapeFunctionNames() { return { "quadraticBSpline", "gimp" }; }
 
 template <int D> std::unique_ptr<ShapeFunction<D>> makeShapeFunction(const std::string& name)
 {
-	return table<D>()[placeOfName("MpmEngine.shapeFunction", name, shapeFunctionNames())].second();
+	const int place = placeOfName("MpmEngine.shapeFunction", name, shapeFunctionNames());
+	if (place == 0) return std::make_unique<QuadraticBSpline<D>>();
+	return std::make_unique<Gimp<D>>();
 }
 
 template <int D>

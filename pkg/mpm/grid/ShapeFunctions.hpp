@@ -45,7 +45,7 @@ template <> struct WeightBlock<3> : WeightFactors<3> {
 	const double* row(int a, int row) const { return product[a][row]; }
 };
 
-/// A family of shape functions. A new one is a class and its line of the table in ShapeFunctions.cpp. The support of a point has supportNodes nodes per axis
+/// A family of shape functions. A new one is a class and its line in ShapeFunctions.cpp. The support of a point has supportNodes nodes per axis
 /// and covers the point's cell and
 /// at most one node behind and two ahead of the cell's lower corner.
 template <int D> class ShapeFunction {

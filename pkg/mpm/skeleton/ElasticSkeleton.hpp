@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
+#include <pkg/base/Errors.hpp>
 #include <pkg/base/ParameterList.hpp>
 #include <pkg/base/ThreadPool.hpp>
 #include <pkg/mpm/points/ObjectiveUpdate.hpp>
 #include <pkg/mpm/skeleton/SkeletonModel.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 /// Parameters of ElasticSkeleton, for the model and for the class that a script sees.
 // clang-format off
@@ -46,9 +48,16 @@ public:
 	std::string name() const override { return "ElasticSkeleton"; }
 	bool        canFail() const override { return false; }
 	bool        knowsHoopStrain() const override { return true; }
-	void        validate() const override;
-	void        updateStress(const SkeletonBatch<D>&) override;
-	void        tangentModulus(const SkeletonBatch<D>& b, double* modulus) const override { b.fill(modulus, LameModuli(young, poisson).oedometer()); }
+	void        validate() const override
+	{
+		requireSetting(std::isfinite(young) && young > 0.0, "ElasticSkeleton.young", young, "must be positive, in Pa");
+		requireSetting(poisson > -1.0 && poisson < 0.5, "ElasticSkeleton.poisson", poisson, "must lie in (-1, 0.5)");
+	}
+	void updateStress(const SkeletonBatch<D>& b) override
+	{
+		updateElasticBatch<D, 1024, 4000>(b, LameModuli(young, poisson), [](int, int) {});
+	}
+	void tangentModulus(const SkeletonBatch<D>& b, double* modulus) const override { b.fill(modulus, LameModuli(young, poisson).oedometer()); }
 };
 
 } // namespace talik

@@ -113,6 +113,49 @@ namespace {
 		return 1.0 - std::pow(1.0 - std::pow(s, exponent), exponent);
 	}
 
+	/// Leaves the stress of the grains in stress, and in ice what melting leaves of the ice's.
+	TALIK_PROCESSOR_VERSIONS void takeIceOff(int count, const double* kept, double* stress, double* ice)
+	{
+#pragma GCC ivdep
+		for (int k = 0; k < count; ++k) {
+			stress[k] -= ice[k];
+			ice[k] *= kept[k];
+		}
+	}
+
+	TALIK_PROCESSOR_VERSIONS void addPart(int count, const double* what, double* stress)
+	{
+#pragma GCC ivdep
+		for (int k = 0; k < count; ++k)
+			stress[k] += what[k];
+	}
+
+	/// No tension passes the apex of the cone.
+	TALIK_PROCESSOR_VERSIONS void limitTension(double sineOfFriction, double cosineOfFriction, int count, const double* cohesion, double* tensileStrength)
+	{
+		if (!(sineOfFriction > 0.0)) return;
+		const double cotangent = cosineOfFriction / sineOfFriction;
+		for (int k = 0; k < count; ++k)
+			tensileStrength[k] = std::min(tensileStrength[k], cohesion[k] * cotangent);
+	}
+
+	/// Volume by which grains part when a trial stress returns to strength, over their volume: what tension alone took from the mean stress, without
+	/// the share of dilation.
+	template <int D> double openedBy(const MohrCoulombState& m, const PrincipalStresses<D>& trial, const PrincipalStresses<D>& returned)
+	{
+		PrincipalStresses<D> undilated = returned;
+		if (m.sinDilation > 0.0) {
+			MohrCoulombState sheared = m;
+			sheared.sinDilation      = 0.0;
+			undilated                = trial;
+			correct(sheared, undilated);
+		}
+		double taken = 0.0;
+		for (int i = 0; i < 3; ++i)
+			taken += trial.normal(i) - undilated.normal(i);
+		return std::max(0.0, taken) / (3.0 * m.lambda + 2.0 * m.shear);
+	}
+
 } // namespace
 
 template <int D> void MohrCoulombSkeleton<D>::validate() const
@@ -209,6 +252,16 @@ template <int D> void MohrCoulombSkeleton<D>::updateStress(const SkeletonBatch<D
 	});
 }
 
+/// Its angles; the strength is that of each point.
+template <int D> MohrCoulombState MohrCoulombSkeleton<D>::cone() const
+{
+	MohrCoulombState m;
+	m.sinFriction = std::sin(frictionAngle * degree);
+	m.cosFriction = std::cos(frictionAngle * degree);
+	m.sinDilation = std::sin(dilationAngle * degree);
+	return m;
+}
+
 template <int D> void MohrCoulombSkeleton<D>::lookUp(const double* saturation, int count, Piece& piece) const
 {
 	if (saturation && iceSaturations.empty() && exponent == 2.0) return interpolate(saturation, count, piece);
@@ -236,25 +289,15 @@ template <int D> void MohrCoulombSkeleton<D>::interpolate(const double* saturati
 	}
 }
 
-/// No tension passes the apex of the cone; cotangent of the angle of friction.
-template <int D> void MohrCoulombSkeleton<D>::limitTension(double cotangent, int count, Piece& piece)
-{
-	for (int k = 0; k < count; ++k)
-		piece.tensileStrength[k] = std::min(piece.tensileStrength[k], piece.cohesion[k] * cotangent);
-}
-
 template <int D> void MohrCoulombSkeleton<D>::updateRun(const SkeletonBatch<D>& b, int first, int count)
 {
 	double*          plasticStrain = plasticStrain_;
 	const LameModuli unit(1.0, poisson);
-	MohrCoulombState m;
-	m.sinFriction = std::sin(frictionAngle * degree);
-	m.cosFriction = std::cos(frictionAngle * degree);
-	m.sinDilation = std::sin(dilationAngle * degree);
-	Piece  piece;
-	double lambda[pieceSize], shear[pieceSize];
+	MohrCoulombState m = cone();
+	Piece            piece;
+	double           lambda[pieceSize], shear[pieceSize];
 	lookUp(b.iceSaturation ? b.iceSaturation + first : nullptr, count, piece);
-	if (m.sinFriction > 0.0) limitTension(m.cosFriction / m.sinFriction, count, piece);
+	limitTension(m.sinFriction, m.cosFriction, count, piece.cohesion, piece.tensileStrength);
 	for (int k = 0; k < count; ++k) {
 		lambda[k] = piece.young[k] * unit.lambda;
 		shear[k]  = piece.young[k] * unit.shear;
@@ -292,61 +335,27 @@ void MohrCoulombSkeleton<D>::splitModulus(
 	}
 }
 
-/// Leaves the stress of the grains in stress, and in ice what melting leaves of the ice's.
-template <int D> void MohrCoulombSkeleton<D>::takeIceOff(int count, const double* kept, double* stress, double* ice)
-{
-#pragma GCC ivdep
-	for (int k = 0; k < count; ++k) {
-		stress[k] -= ice[k];
-		ice[k] *= kept[k];
-	}
-}
-
-template <int D> void MohrCoulombSkeleton<D>::addTo(int count, const double* what, double* stress)
-{
-#pragma GCC ivdep
-	for (int k = 0; k < count; ++k)
-		stress[k] += what[k];
-}
-
 template <int D> void MohrCoulombSkeleton<D>::updateFreezingRun(const SkeletonBatch<D>& b, int first, int count)
 {
 	Piece piece;
 	Parts parts;
 	lookUp(b.iceSaturation + first, count, piece);
-	const double sine = std::sin(frictionAngle * degree);
-	if (sine > 0.0) limitTension(std::cos(frictionAngle * degree) / sine, count, piece);
+	const MohrCoulombState m = cone();
+	limitTension(m.sinFriction, m.cosFriction, count, piece.cohesion, piece.tensileStrength);
 	splitModulus(at(0.0).young, opening_ + first, iceModulus_ + first, count, piece, poisson, parts);
 	std::array<double*, stressSize<D>> stress, ice;
 	for (int c = 0; c < stressSize<D>; ++c) {
 		stress[c] = b.stress[c] + first;
 		ice[c]    = iceStress_[c] + first;
 		takeIceOff(count, parts.keptIce, stress[c], ice[c]);
-		if (c < 3) addTo(count, parts.hidden, stress[c]);
+		if (c < 3) addPart(count, parts.hidden, stress[c]);
 	}
 	updateElastic<D>(count, parts.grainLambda, parts.grainShear, from(b.gradient, first), stress, b.hoopFrom(first));
 	updateElastic<D>(count, parts.iceLambda, parts.iceShear, from(b.gradient, first), ice, b.hoopFrom(first));
 	for (int c = 0; c < stressSize<D>; ++c)
-		addTo(count, ice[c], stress[c]);
+		addPart(count, ice[c], stress[c]);
 	std::fill_n(opening_ + first, count, 0.0); // limitSum() finds it anew
 	limitSum(first, count, piece, parts, stress);
-}
-
-/// Volume by which grains part when a trial stress returns to strength, over their volume: what tension alone took from the mean stress, without
-/// the share of dilation.
-template <int D> double MohrCoulombSkeleton<D>::openedBy(const MohrCoulombState& m, const PrincipalStresses<D>& trial, const PrincipalStresses<D>& returned)
-{
-	PrincipalStresses<D> undilated = returned;
-	if (m.sinDilation > 0.0) {
-		MohrCoulombState sheared = m;
-		sheared.sinDilation      = 0.0;
-		undilated                = trial;
-		correct(sheared, undilated);
-	}
-	double taken = 0.0;
-	for (int i = 0; i < 3; ++i)
-		taken += trial.normal(i) - undilated.normal(i);
-	return std::max(0.0, taken) / (3.0 * m.lambda + 2.0 * m.shear);
 }
 
 /// Grains and ice flow together: what their sum exceeds its strength by is taken off both by their stiffnesses.
@@ -355,11 +364,8 @@ void MohrCoulombSkeleton<D>::limitSum(int first, int count, const Piece& piece, 
 {
 	double* const    plasticStrain = plasticStrain_ + first;
 	double* const    opening       = opening_ + first;
-	MohrCoulombState m;
-	m.sinFriction = std::sin(frictionAngle * degree);
-	m.cosFriction = std::cos(frictionAngle * degree);
-	m.sinDilation = std::sin(dilationAngle * degree);
-	long long yielding[pieceSize];
+	MohrCoulombState m             = cone();
+	long long        yielding[pieceSize];
 	findYielding(m, piece.cohesion, piece.tensileStrength, stress, count, yielding);
 	overMarked(yielding, count, stress, [&](int k, PrincipalStresses<D>& s) {
 		m.lambda                          = parts.grainLambda[k] + parts.iceLambda[k];

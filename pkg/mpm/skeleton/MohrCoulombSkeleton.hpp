@@ -59,15 +59,15 @@ private:
 		double young, cohesion, tensileStrength;
 	};
 	AtSaturation         at(double saturation) const;
+	MohrCoulombState     cone() const;
 	void                 validateTable() const;
 	static constexpr int pieceSize = 256;
 	/// Of points in sequence.
 	struct Piece {
 		double young[pieceSize], cohesion[pieceSize], tensileStrength[pieceSize];
 	};
-	void                                 lookUp(const double* saturation, int count, Piece& piece) const;
-	TALIK_PROCESSOR_VERSIONS void        interpolate(const double* saturation, int count, Piece& piece) const;
-	TALIK_PROCESSOR_VERSIONS static void limitTension(double cotangent, int count, Piece& piece);
+	void                          lookUp(const double* saturation, int count, Piece& piece) const;
+	TALIK_PROCESSOR_VERSIONS void interpolate(const double* saturation, int count, Piece& piece) const;
 	/// The two parts of points in sequence, and what each may bear.
 	struct Parts {
 		double grainLambda[pieceSize], grainShear[pieceSize], iceLambda[pieceSize], iceShear[pieceSize];
@@ -76,13 +76,10 @@ private:
 	};
 	TALIK_PROCESSOR_VERSIONS static void splitModulus(
 	        double thawedModulus, const double* opening, double* iceModulus, int count, const Piece& piece, double poisson, Parts& parts);
-	TALIK_PROCESSOR_VERSIONS static void takeIceOff(int count, const double* kept, double* stress, double* ice);
-	TALIK_PROCESSOR_VERSIONS static void addTo(int count, const double* what, double* stress);
 	/// count points in sequence from place first on
-	void          updateRun(const SkeletonBatch<D>&, int first, int count);
-	void          updateFreezingRun(const SkeletonBatch<D>&, int first, int count);
-	static double openedBy(const MohrCoulombState& m, const PrincipalStresses<D>& trial, const PrincipalStresses<D>& returned);
-	void          limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
+	void updateRun(const SkeletonBatch<D>&, int first, int count);
+	void updateFreezingRun(const SkeletonBatch<D>&, int first, int count);
+	void limitSum(int first, int count, const Piece& piece, const Parts& parts, const std::array<double*, stressSize<D>>& stress) const;
 
 	/// By place; null without a ground, all but the first one also without tables of ice.
 	double *                           plasticStrain_ = nullptr, *iceModulus_ = nullptr, *opening_ = nullptr;

@@ -61,7 +61,7 @@ namespace {
 		if (!engine.thawFront) s.thawFront.reset();
 		if (engine.water) s.water = engine.water->build();
 		if (engine.segregation) s.segregation = engine.segregation->build();
-		s.deformationRecord = engine.motion && engine.deformationRecord;
+		s.deformationRecord = engine.motion;
 		s.pointsDivide      = engine.motion && engine.pointsDivide;
 		for (const auto& boundary : engine.boundaries)
 			s.boundaries.push_back(boundary->build<D>());

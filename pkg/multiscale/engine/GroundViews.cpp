@@ -37,7 +37,7 @@ vector<string> MpmEngine::existingFields()
 	vector<string> names;
 	for (const auto& info : runningGround().fields())
 		if (info.place == "points") names.push_back(info.name);
-	if (motion && deformationRecord && !axisymmetric) {
+	if (motion && !axisymmetric) {
 		names.push_back("strain");
 		names.push_back("deviatoricStrain");
 	}

@@ -205,7 +205,6 @@ public:
 		((bool,pointsDivide,false,,"A point that a stretch or an ice lens makes longer than 1.25 cells becomes two where a cell beside it is left without points, so "
 				"that slides do not tear into lumps. Both halves have half of its mass, volume, heat and water, all else, and a copy of its sample. The new point "
 				"has the next id, at the end of the arrays of field(). Points do not merge. Needs motion."))
-		((bool,deformationRecord,true,,"Points remember their deformation gradient F since the start (field deformationGradient), to look at strain."))
 		((Real,tolerance,0,,"Relative error of effective stress that samples behind points may cause [-], e.g. 0.03: strain tolerance and inertial number of every "
 				"point follow the errors measured in its own sample, in place of RveSkeleton.strainTolerance, stressTolerance and maxInertialNumber; see "
 				"estimatedError. 0: those attributes count. From 1e-4 to 0.5. May be changed while running, but not to or from 0. Needs packed samples."))
@@ -275,10 +274,10 @@ public:
 				"whether an event goes on (both with followsMotion only); seepageScale, the acceleration of seepage and rain [-]; largestConductivity, the limit "
 				"up to which it acts [m/s], None without water.")
 		.def("events",&MpmEngine::events,"Times in which the ground moved, with HeatTransfer.followsMotion: a list of dictionaries with day, duration in seconds of "
-				"motion, days of the calendar that passed meanwhile, volume of the points displaced by more than HeatTransfer.eventDisplacement [m^2 per "
-				"metre; m^3], largest "
+				"motion, days of the calendar that passed meanwhile, volume of the points displaced by more than 2 cm [m^2 per metre; m^3], largest "
 				"displacement [m], goesOn. An event begins when the fastest ground passes both HeatTransfer.motionTolerance and, in calendar time, "
-				"HeatTransfer.eventSpeed, and ends when all have been below half of that for 0.2 s.")
+				"1e-5 m/s (a metre a day, a moderate landslide), and ends when all have been below half of that for 0.2 s. Events in which no point moves "
+				"by 2 cm are left out.")
 		.def("setDay",&MpmEngine::setDay,(::boost::python::arg("day")),"Between two steps: the calendar says this day from now on, and events are counted anew.")
 		.def_readonly("failure",&MpmEngine::failure,"Why the last step failed; empty after a step that did not.")
 		.def_readonly("failures",&MpmEngine::failures,"Steps that failed since the engine started.")
