@@ -270,9 +270,10 @@ TEST(MpmCalendar, FrozenGroundConductsWaterInItsNaturalRatioToThaw)
 	const auto drag = [](double temperature, double scale) {
 		BlockScene c;
 		c.follows = false, c.wet = true, c.fast = scale;
-		auto s           = blockSettings(c);
-		s.freezing       = makeFreezingCurve();
-		Ground<2> ground = blockOf(s, 0.0, temperature);
+		auto s            = blockSettings(c);
+		s.freezing        = makeFreezingCurve();
+		s.water->implicit = true;
+		Ground<2> ground  = blockOf(s, 0.0, temperature);
 		ground.step(1e-6);
 		std::vector<double> drag(ground.points().count());
 		ground.copyById("drag", 0, drag.data());

@@ -60,11 +60,13 @@ template <int D> void PoreContent<D>::bind(MaterialPoints<D>& points)
 
 template <int D> SeepageScales PoreContent<D>::useScale(double f, const PoreWater<D>& water)
 {
-	seepageScale_        = water.wantedScale(f);
-	largestConductivity_ = water.largestConductivity;
-	SeepageScales all { seepageScale_, 0.0 };
-	for (const Material& m : materials_) {
-		const double used = std::min(seepageScale_, largestConductivity_ / m.permeability.referenceConductivity);
+	const bool   withIce = settings_->water->implicit;
+	const double wanted  = water.wantedScale(f);
+	if (withIce) largestConductivity_ = water.largestConductivity;
+	SeepageScales all { wanted, 0.0 };
+	for (Material& m : materials_) {
+		const double used = std::min(wanted, water.largestConductivity / m.permeability.referenceConductivity);
+		m.seepageScale    = withIce ? wanted : used;
 		all.smallest      = std::min(all.smallest, used);
 		all.largest       = std::max(all.largest, used);
 	}
@@ -224,7 +226,7 @@ template <int D> void PoreContent<D>::correctForExcessIce(const Block& b, const 
 {
 	const MixtureProperties& m   = b.of->mixture;
 	Permeability             law = b.of->permeability;
-	law.hydraulicTimeScale *= seepageScale_;
+	law.hydraulicTimeScale *= b.of->seepageScale;
 	for (int k = 0; k < b.count; ++k) {
 		const int p = b.first + k;
 		if (!(excessVolume_[p] > 0.0)) continue;
@@ -361,7 +363,7 @@ template <int D> void PoreContent<D>::updateIce(const Block& b)
 template <int D> void PoreContent<D>::updateDrag(const Block& b, const OfWater& water) const
 {
 	Permeability law = b.of->permeability;
-	law.hydraulicTimeScale *= seepageScale_;
+	law.hydraulicTimeScale *= b.of->seepageScale;
 	const double        perDensity = 1.0 / b.of->mixture.liquid.density, largest = largestConductivity_;
 	const double* const contents       = waterMass + b.first;
 	const double* const n              = porosity + b.first;

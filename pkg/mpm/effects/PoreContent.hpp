@@ -119,12 +119,12 @@ public:
 	double thawedOpening(int place) const
 	{
 		const Material& m = of(place);
-		return reached(seepageScale_ * m.permeability.conductivity(porosity[place], 1.0)) * m.mixture.liquid.density / Permeability::gravity;
+		return reached(m.seepageScale * m.permeability.conductivity(porosity[place], 1.0)) * m.mixture.liquid.density / Permeability::gravity;
 	}
 	/// Drag [kg/s] of a place whose drag was found without f_H.
 	double scaledDrag(int place, double drag, double liquidFraction) const
 	{
-		return std::max(drag / seepageScale_, Permeability::dragAt(liquidMass(place), liquidFraction, largestConductivity_));
+		return std::max(drag / of(place).seepageScale, Permeability::dragAt(liquidMass(place), liquidFraction, largestConductivity_));
 	}
 	double smallestReferencePorosity() const;
 
@@ -138,6 +138,7 @@ public:
 		MixtureProperties mixture;
 		EnthalpyModel     enthalpy;
 		Permeability      permeability;
+		double            seepageScale = 1.0; ///< f_H in this step [-]
 	};
 
 private:
@@ -171,8 +172,7 @@ private:
 	double*                  volume_              = nullptr;
 	const double*            excessVolume_        = nullptr; ///< see holdExcessIce; null: there is none
 	double*                  excessIce_           = nullptr;
-	double                   seepageScale_        = 1.0;                                     ///< f_H in this step [-]
-	double                   largestConductivity_ = std::numeric_limits<double>::infinity(); ///< see PoreWater [m/s]
+	double                   largestConductivity_ = std::numeric_limits<double>::infinity(); ///< see PoreWater [m/s]; none with explicit pressure
 	double*                  lastVolume_          = nullptr;                                 ///< of the last update, in the rate form of pressure only
 	double*                  lastWater_           = nullptr;
 };

@@ -171,8 +171,9 @@ public:
 	/// What accelerated water does against its inertia dies out within k/(n g), whatever the ground is like: within this time [s]. What its
 	/// points have and no node sees would not, by drag at the nodes, and would throw the last water out of ground that runs dry.
 	static constexpr double longestRest = 0.0125;
-	/// Ground conducts water as its porosity, ice and fill let it times f_H, up to this conductivity [m/s] and no further: what water does against its
-	/// inertia then dies out within an eightieth of a second; beyond, it would swing in grains that hardly hold it.
+	/// Ground conducts water as its porosity and ice let it times f_H, up to this conductivity [m/s] and no further: what water does against its inertia
+	/// then dies out within an eightieth of a second; beyond, it would swing in grains that hardly hold it. With explicit pressure the limit holds for f_H
+	/// times the conductivity of a material, and ice reduces what it leaves: soft water that freezes would make energy in ground that conducts as it should.
 	double largestConductivity = std::numeric_limits<double>::infinity();
 	void   chooseLargestConductivity(double smallestReferencePorosity);
 	/// f_H where slow processes run f times as fast as motion [-]
