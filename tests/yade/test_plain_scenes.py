@@ -462,9 +462,9 @@ def test_a_smooth_strip_under_a_surcharge_bears_what_prandtl_and_reissner_give_f
 	"""Soil without weight and cohesion, psi = phi, half of the strip; q beside it. The strip bears N_q q, N_q = 18.4, before it sinks in: later it bears
 	the soil beside it, too."""
 	half, q, speed = 0.5, 2e4, 0.05
-	strip = utils.box((half / 2, 3.2, 0), (half / 2, 0.2, 1), fixed=True, material=O.materials.append(wrapper.FrictMat(frictionAngle=0.0)))
 	O.reset()
-	strip = O.bodies.append(strip)
+	smooth = O.materials.append(wrapper.FrictMat(frictionAngle=0.0))
+	strip = O.bodies.append(utils.box((half / 2, 3.2, 0), (half / 2, 0.2, 1), fixed=True, material=smooth))
 	O.bodies[strip].state.vel = (0, -speed, 0)
 	mpm = wrapper.MpmEngine(
 		gridSpacing=0.125,
