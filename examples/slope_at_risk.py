@@ -91,7 +91,7 @@ for row in rows:
 	frames.append(motionOf(row))
 	print(f"soil {len(frames)} of {runs}: {plots.magnitude(frames[-1]['displacement']).max():.3f} m", flush=True)
 largest = [plots.magnitude(frame["displacement"]).max() for frame in frames]
-exceeded = forecast.Exceedance(largest)
+exceeded = forecast.Exceedance(largest, "largest displacement [m]")
 print(exceeded)
 
 figure = plots.figure(11, 7)
@@ -105,7 +105,7 @@ ofDays.set(xlabel="day of thaw", ylabel="factor of safety", ylim=(0, None))
 risk = forecast.probabilityMap([[frame] for frame in frames], above=moves)
 size = np.full(len(risk.place), risk.side**2)
 plots.slopeField(place, risk.place, 100 * risk.share, size, label=f"moves by more than {moves} m by day {days[-1]:g} [%]", colourMap="magma_r", limits=(0, 100))
-exceeded.draw("largest displacement [m]", curve)
+exceeded.draw(curve)
 plots.save(figure, folder / "slope_at_risk.png", dpi=100)
 output.writeSummary(
 	folder / "summary.json",

@@ -25,6 +25,14 @@ norms = {
 	"column collapse": "largest of front, crest and centre of mass; finest run of Talik",
 }
 
+marks = {
+	"Talik": ("o", "C0"),
+	"Talik, implicit pressure": ("o", "C0"),
+	"Talik, explicit pressure": ("^", "C2"),
+	"frozen-ground-fem": ("s", "C1"),
+	"mpmxdem": ("D", "C3"),
+}
+
 
 def studied(file):
 	"""Runs of scripts/accuracy with an error below 30 % that no other of their problem beats in error and time, implicit pressure, the standard."""
@@ -59,13 +67,22 @@ def errors(rows):
 	return lines
 
 
+def kind(row, rows):
+	"""The code of a row, and how it solves for pore pressure where rows of its problem differ in that."""
+	implicit = lambda one: "implicit" in one["settings"]
+	if row["code"] != "Talik" or not any(implicit(one) for one in rows):
+		return row["code"]
+	return "Talik, implicit pressure" if implicit(row) else "Talik, explicit pressure"
+
+
 def draw(rows, file):
 	figure = Figure(figsize=(11, 3.6), layout="constrained")
 	for panel, problem in zip(figure.subplots(1, len(norms)), norms):
-		for code in dict.fromkeys(row["code"] for row in rows):
-			of = [row for row in rows if row["problem"] == problem and row["code"] == code]
+		rowsOfIt = [row for row in rows if row["problem"] == problem]
+		for code, (marker, colour) in marks.items():
+			of = [row for row in rowsOfIt if kind(row, rowsOfIt) == code]
 			if of:
-				panel.loglog([row["seconds"] for row in of], [100 * row["error"] for row in of], "o" if code == "Talik" else "s", label=code)
+				panel.loglog([row["seconds"] for row in of], [100 * row["error"] for row in of], marker, color=colour, label=code)
 		panel.set(title=problem, xlabel="processor time [s]", ylabel="error [%]")
 		panel.grid(alpha=0.3, which="both")
 		panel.legend()

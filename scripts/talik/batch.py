@@ -13,9 +13,9 @@ The script takes its row and leaves its results:
 	talik.batch.leave(displacement=...)
 """
 
+import itertools
 import json
 import os
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -56,17 +56,28 @@ def _rowsDone(folder, heading, lines):
 	return [name for name, line in lines.items() if line in former[1:] and (folder / f"{name}.json").exists()]
 
 
+def _setAside(folder):
+	"""Gives the folder of an earlier batch another name, and says so."""
+	if not folder.exists() or not any(folder.iterdir()):
+		return
+	if not (folder / allRows).exists():
+		raise ValueError(f"batch.run: the folder {folder} holds files of no batch; give one of its own, such as {folder.name}/study")
+	number = next(k for k in itertools.count(1) if not folder.with_name(f"{folder.name}-{k}").exists())
+	folder.rename(folder.with_name(f"{folder.name}-{number}"))
+	print(f"batch.run: the earlier batch in {folder} is now in {folder.name}-{number}")
+
+
 def run(script, rows, folder, jobs=None, threads=1, resume=False):
 	"""Runs a script once for each row and returns what it left, in the order of the rows; None for a row that left nothing.
 
 	script   a Python file that takes its values by row() and gives its results by leave()
 	rows     dictionaries of numbers or texts with the same names
-	folder   for table, results and what each row said; it is made anew
+	folder   for table, results and what each row said. That of an earlier batch is kept under a name with a number: study-1, study-2
 	resume   rows that left their results in the folder before, with the same values, stay and are not run again
 	jobs     rows at the same time; default: one for each processor
 	threads  of each row
 
-	ValueError for rows with different names; RuntimeError if no row left anything, with what the first one said.
+	ValueError for rows with different names, and for a folder with files of no batch; RuntimeError if no row left anything, with what the first one said.
 
 	>>> script = folder + "/double.py"
 	>>> text = "import talik\\nrow = talik.batch.row(x=1)\\ntalik.batch.leave(y=2 * row.x)\\n"
@@ -85,7 +96,7 @@ def run(script, rows, folder, jobs=None, threads=1, resume=False):
 	left = [folder / f"{name}.json" for name in names]
 	done = _rowsDone(folder, heading, lines) if resume else []
 	if not done:
-		shutil.rmtree(folder, ignore_errors=True)
+		_setAside(folder)
 	writableFolder(folder)
 	for name, file in zip(names, left):
 		if name not in done:

@@ -270,18 +270,27 @@ def runsToHalve(happened, runs, level=0.9):
 	return total - runs
 
 
+def _unitIn(label):
+	"""Unit in the brackets at the end of a label, after a space; nothing where there is none."""
+	unit = label.partition(" [")[2].rstrip("]")
+	return f" {unit}" if unit not in ("", "-") else ""
+
+
 @dataclass(frozen=True)
 class Exceedance:
 	"""How probable it is that a result lies above a limit: from the values of several runs, those of None left out.
 
-	>>> print(talik.forecast.Exceedance([0.1, 0.2, 0.4, 2.0]))
-	above 0.1: 75 % (25 to 99 %)
-	above 0.3: 50 % (10 to 90 %)
-	above 1.52: 25 % (1 to 75 %)
+	quantity  name of the values with its unit; level: of confidence
+
+	>>> print(talik.forecast.Exceedance([0.1, 0.2, 0.4, 2.0], "heave [m]"))
+	heave above 0.1 m: 75 % (25 to 99 %)
+	heave above 0.3 m: 50 % (10 to 90 %)
+	heave above 1.52 m: 25 % (1 to 75 %)
 	4 runs, confidence 90 %; 16 more halve the widest interval"""
 
 	values: tuple
-	level: float = 0.9  # of confidence
+	quantity: str = "result"
+	level: float = 0.9
 
 	@property
 	def known(self):
@@ -295,19 +304,20 @@ class Exceedance:
 	def __str__(self):
 		runs = len(self.known)
 		limits = np.quantile(self.known, (0.0, 0.5, 0.9)) if runs > 1 else self.known
-		text = ["above {:.3g}: {:.0f} % ({:.0f} to {:.0f} %)".format(limit, *(100 * np.array(self.at(limit)))) for limit in limits]
+		name, unit = self.quantity.partition(" [")[0], _unitIn(self.quantity)
+		text = ["{} above {:.3g}{}: {:.0f} % ({:.0f} to {:.0f} %)".format(name, limit, unit, *(100 * np.array(self.at(limit)))) for limit in limits]
 		more = runsToHalve(0.5 * runs, runs, self.level)
 		return "\n".join([*text, f"{runs} runs, confidence {100 * self.level:.0f} %; {more} more halve the widest interval"])
 
-	def draw(self, label, axes=None):
-		"""Figure: probability over the limit, with its band of confidence; label with unit, for its axis. axes: of a figure that there is."""
+	def draw(self, axes=None):
+		"""Figure: probability over the limit, with its band of confidence. axes: of a figure that there is."""
 		axes = axes or plots.figure(6, 4).subplots()
 		limits = np.repeat(self.known, 2)
 		at = np.array(self.at(limits))
 		at[:, ::2] = np.array(self.at(np.nextafter(self.known, -np.inf)))
 		axes.fill_between(limits, 100 * at[1], 100 * at[2], color="steelblue", alpha=0.3, linewidth=0, label=f"{100 * self.level:.0f} % confidence")
 		axes.plot(limits, 100 * at[0], color="navy", label=f"{len(self.known)} runs")
-		axes.set(xlabel=label, ylabel="probability that it is above [%]", ylim=(0, 100))
+		axes.set(xlabel=self.quantity, ylabel="probability that it is above [%]", ylim=(0, 100))
 		axes.legend(frameon=False)
 		return axes.figure
 
@@ -374,7 +384,9 @@ def probabilityMap(runs, field="displacement", above=0.1, day=None, inPlan=False
 	>>> talik.forecast.probabilityMap([[still], [still]], above=0.1).share
 	array([0.])"""
 	last = [_until(frames, day) for frames in runs]
-	name = f"{field} above {above:g}" + ("" if day is None else f" by {day if isinstance(day, str) else f'day {day:g}'}")
+	name = f"{field} above {above:g}{_unitIn(*plots.slopeFields.get(field, (field,))[:1])}" + (
+		"" if day is None else f" by {day if isinstance(day, str) else f'day {day:g}'}"
+	)
 	last = [{**frame, "happened": plots.magnitude(frame[field]) > above} for frame in last]
 	if inPlan:
 		side = ensemble.sideOf(last[0])

@@ -155,7 +155,7 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 	field    name of a field of the frame, vectors by their length, or values (n,); whole numbers (n,) are kinds of ground: each place is of the kind of
 			 most of its points. "settlement" is the way down of the points, negative where they heaved
 	bands    of bandsOf, where several pictures share their colours; else made with **colours: label, colourMap, levels, limits as there
-	bar      a colour bar beside the axes
+	bar      a colour bar beside the axes, and a legend of the front above them
 	front    crimson line where the ice saturation of the frame is 1/2
 	start    dashed outline of the ground before its displacement; or the Resampled of the ground then
 	arrows   name of a vector of the frame, "displacement" or "velocity": its direction, where it is above 10 % of its largest, or of the top of the
@@ -198,6 +198,7 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 		axes.spines[side].set_visible(False)
 	if bar:
 		colourBar(axes, bands)
+		legendOfLines(axes)
 	return axes
 
 
@@ -248,6 +249,16 @@ def frontLine(axes, x, y, ice, inGround, outline):
 	low, high = finiteRange(ice[inGround])
 	if low < frontSaturation < high:
 		_clip(axes, axes.contour(x, y, np.ma.masked_invalid(ice), levels=[frontSaturation], colors=frontColour, linewidths=1.4), outline)
+		axes.plot([], [], color=frontColour, linewidth=1.4, label="thaw front")  # for a legend
+
+
+def legendOfLines(axes):
+	"""Legend of the lines in a picture of ground that have names, such as the thaw front. Returns the axes.
+
+	>>> drawn = talik.plots.legendOfLines(talik.plots.ground(axes, talik.output.allFields(mpm), "temperature"))"""
+	if axes.get_legend_handles_labels()[0]:
+		axes.legend(frameon=False, fontsize=8, loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0)
+	return axes
 
 
 def _clip(axes, contours, outline):

@@ -64,7 +64,7 @@ class Trial:
 class Safety:
 	"""Factor of safety of a ground, between that of the last trial that stood and of the first that failed; see talik.slope.factorOfSafety.
 
-	frame   fields of the first trial that failed, at its end: displacement and strain since its strength was reduced
+	frame   fields of the first trial that failed, at its end: displacement and strain since its strength was reduced. Of the last trial where none failed
 
 	>>> talik.safety.Safety((talik.safety.Trial(1.3, True, (), 0.01), talik.safety.Trial(1.5, False, (), 0.2)), None).factor
 	1.4"""
@@ -74,15 +74,19 @@ class Safety:
 
 	@property
 	def bracket(self):
-		"""(largest factor at which the ground stood, smallest at which it failed)."""
-		return max(t.factor for t in self.trials if t.stands), min(t.factor for t in self.trials if not t.stands)
+		"""(largest factor at which the ground stood, smallest at which it failed: infinite where it stood in every trial)."""
+		return max(t.factor for t in self.trials if t.stands), min((t.factor for t in self.trials if not t.stands), default=math.inf)
 
 	@property
 	def factor(self):
-		return 0.5 * sum(self.bracket)
+		"""Middle of the bracket. Where the ground stood in every trial, the largest factor that was tried: that of safety lies above it."""
+		stood, failed = self.bracket
+		return 0.5 * (stood + failed) if failed < math.inf else stood
 
 	def __str__(self):
 		stood, failed = self.bracket
+		if failed == math.inf:
+			return f"factor of safety above {stood:.2f}: the ground stands in every trial, so that its factor is larger, or nothing can slide"
 		return f"factor of safety {self.factor:.2f}: the ground stands with its strength over {stood:.3f} and fails with {failed:.3f}"
 
 	def _repr_png_(self):
@@ -97,13 +101,16 @@ class Safety:
 		plots.ground(mechanism, self.frame, "deviatoricStrain", arrows="displacement", start=False)
 		if circle is not None:
 			mechanism.plot(*circle.arc().T, color="black", linestyle="--", linewidth=1, label=f"Bishop, F = {circle.factor:.2f}")
-			mechanism.legend(frameon=False)
-		mechanism.set_title(f"mechanism at F = {self.bracket[1]:.3f}")
+		plots.legendOfLines(mechanism)
+		stood, failed = self.bracket
+		mechanism.set_title(f"mechanism at F = {failed:.3f}" if failed < math.inf else f"strain at F = {stood:.3f}, where it stands")
 		for stands, colour, label in ((True, "seagreen", "stands"), (False, "crimson", "fails")):
 			ones = sorted((t.factor, t.displacement) for t in self.trials if t.stands == stands)
-			curve.semilogy(*np.transpose(ones), "o-", color=colour, label=label)
+			if ones:
+				curve.semilogy(*np.transpose(ones), "o-", color=colour, label=label)
 		curve.axvline(self.factor, color="0.4", linewidth=0.8)
-		curve.set(xlabel="F, by which the strength is divided", ylabel="largest displacement [m]", title=f"factor of safety {self.factor:.2f}")
+		title = f"factor of safety {'above ' if failed == math.inf else ''}{self.factor:.2f}"
+		curve.set(xlabel="F, by which the strength is divided", ylabel="largest displacement [m]", title=title)
 		curve.legend(frameon=False)
 		return fig
 
@@ -114,7 +121,7 @@ def factorOfSafety(mpm, accuracy=0.01, skeleton=None, between=(0.25, 4.0), told=
 	mpm       a ground with gravity, before its first step or at any time of a run
 	accuracy  of the factor, relative, 0.001 to 0.2
 	skeleton  MohrCoulombSkeleton in place of laws with samples, which have no strength that could be divided; talik.studies.calibrate fits one
-	between   factors among which it is sought
+	between   factors among which it is sought. Ground that stands with its strength over the larger one has a factor above it: give a larger one to know more
 	told      is given a line for each trial, such as print
 
 	In each trial ground in the same state, at rest, is given its cohesion, tensile strength and tan(phi) divided by a factor, frozen and thawed, and no
@@ -142,7 +149,7 @@ def factorOfSafety(mpm, accuracy=0.01, skeleton=None, between=(0.25, 4.0), told=
 	if not 0 < lowest < highest:
 		raise ValueError(f"factorOfSafety: between is {between!r}; give two factors above 0, the smaller one first")
 	laws = _reducible(mpm, skeleton)
-	trials, failed = [], {}
+	trials, frames = [], {}
 	with talik.scratchScene():
 		rested = _ground(mpm, laws, lowest)
 		if not _run(rested, lowest).stands:
@@ -152,8 +159,8 @@ def factorOfSafety(mpm, accuracy=0.01, skeleton=None, between=(0.25, 4.0), told=
 			ground = _ground(rested, laws, factor)
 			trial = _run(ground, factor)
 			trials.append(trial)
-			if not trial.stands:
-				failed[factor] = {name: np.array(ground.field(name)) for name in ground.fieldNames()}
+			if not trial.stands or factor == highest:
+				frames[factor] = {name: np.array(ground.field(name)) for name in ground.fieldNames()}
 			if told is not None:
 				told(f"F = {factor:.3f}: {'stands' if trial.stands else 'fails'}, displacement {1e3 * trial.displacement:.1f} mm")
 			return trial.stands
@@ -162,18 +169,18 @@ def factorOfSafety(mpm, accuracy=0.01, skeleton=None, between=(0.25, 4.0), told=
 		while high > low * (1 + accuracy):
 			middle = math.sqrt(low * high)
 			low, high = (middle, high) if stands(middle) else (low, middle)
-	return Safety(tuple(sorted(trials, key=lambda trial: trial.factor)), failed[high])
+	return Safety(tuple(sorted(trials, key=lambda trial: trial.factor)), frames[high])
 
 
 def _bracketed(stands, lowest, highest):
-	"""Two factors around that of safety, by steps that double from 1."""
+	"""Two factors around that of safety, by steps that double from 1; twice the highest where the ground stands with it."""
 	factor = min(max(1.0, lowest), highest)
 	if stands(factor):
 		while factor < highest:
 			before, factor = factor, min(2 * factor, highest)
 			if not stands(factor):
 				return before, factor
-		raise RuntimeError(f"factorOfSafety: the ground stands with its strength divided by {highest:g}; its factor is larger, or nothing can slide")
+		return highest, highest
 	while factor > lowest:
 		before, factor = factor, max(0.5 * factor, lowest)
 		if stands(factor):

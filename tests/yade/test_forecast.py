@@ -224,12 +224,13 @@ def test_an_interval_of_confidence_holds_the_probability_as_often_as_it_says():
 
 def test_a_curve_of_exceedance_is_the_share_of_runs_above_a_limit():
 	values = np.random.default_rng(1).lognormal(size=200)
-	curve = forecast.Exceedance((*values, None))
+	curve = forecast.Exceedance((*values, None), "displacement [m]")
 	for limit in (0.5, 1.0, 3.0):
 		share, low, high = curve.at(limit)
 		print(f"above {limit}: {share:.3f} ({low:.3f} to {high:.3f}), of the distribution {stats.lognorm(s=1).sf(limit):.3f}")
 		assert share == (values > limit).mean() and (low, high) == talik.ensemble.confidence((values > limit).sum(), 200)
-	assert curve.draw("displacement [m]").axes
+	print(curve)
+	assert str(curve).startswith(f"displacement above {values.min():.3g} m: ") and curve.draw().axes[0].get_xlabel() == "displacement [m]"
 
 
 def test_a_map_of_probability_counts_runs_place_by_place_up_to_a_day(tmp_path):
@@ -244,6 +245,7 @@ def test_a_map_of_probability_counts_runs_place_by_place_up_to_a_day(tmp_path):
 	found = forecast.probabilityMap(runs, above=0.1, day=15)
 	print(dict(zip(map(tuple, found.place), found.share)))
 	assert found.share.tolist() == [0.75, 0.75, 0.25, 0.25, 0, 0]
+	assert found.name == "displacement above 0.1 m by day 15"
 	assert (found.low <= found.share).all() and (found.share <= found.high).all()
 	assert (forecast.probabilityMap(runs, above=0.1).share == 1).all()
 	found.write(tmp_path / "map.vtu")

@@ -117,11 +117,16 @@ def test_ground_that_cannot_be_judged_is_refused_with_a_remedy(draftSample):
 		talik.geometry.fill(mpm, outline)
 		with pytest.raises(ValueError, match=told):
 			talik.slope.factorOfSafety(mpm)
+
+
+def test_ground_that_stands_in_every_trial_has_a_factor_above_the_largest_and_a_picture(tmp_path):
 	level = wrapper.MpmEngine(gridSpacing=0.5, lower=(0, 0), upper=(2, 2), gravity=(0, -9.81), skeleton=wrapper.MohrCoulombSkeleton(young=1e8))
 	level.boundaries = [*(wrapper.RollerBoundary(region=side) for side in ("left", "right")), wrapper.FixedBoundary(region="bottom")]
-	talik.layers.fill(level, {"soil": dict(polygon=outline)}, lateralRatio=0.5)
-	with pytest.raises(RuntimeError, match="nothing can slide"):
-		talik.slope.factorOfSafety(level)
+	talik.layers.fill(level, {"soil": dict(polygon=talik.geometry.rectangle(0, 0, 2, 1))}, lateralRatio=0.5)
+	found = talik.slope.factorOfSafety(level, between=(0.5, 3))
+	print(found)
+	assert found.bracket == (3, math.inf) and found.factor == 3 and str(found).startswith("factor of safety above 3.00")
+	talik.plots.save(found.draw(), tmp_path / "level.png")
 
 
 def test_the_infinite_slope_counts_pore_pressure_ratio_and_excess_pressure_as_by_hand():
