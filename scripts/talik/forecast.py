@@ -349,7 +349,7 @@ class ProbabilityMap:
 		if self.place.shape[1] == 3:
 			raise ValueError("ProbabilityMap.draw: the places are in space; give probabilityMap inPlan=True, or write a .vtu file")
 		fig = plots.figure(10, 2.8)
-		fig.suptitle(f"{self.name}, {self.runs} runs", fontsize=9)
+		fig.suptitle(f"{self.name}, {self.runs} run{'s' * (self.runs != 1)}", fontsize=9)
 		size = np.full(len(self.place), self.side**2)
 		for axes, values, label, colours in zip(
 			fig.subplots(1, 2), (self.share, self.high - self.low), ("probability [%]", "width of its 90 % interval [%]"), ("magma_r", "Greys")

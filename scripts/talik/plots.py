@@ -565,6 +565,7 @@ def metricAxes(axes, position, margin=0.03):
 	axes.set_aspect("equal")
 	axes.set_xlim(low[0] - margin, high[0] + margin)
 	axes.set_ylim(low[1] - margin, high[1] + margin)
+	axes.ticklabel_format(useOffset=False, style="plain")
 
 
 def magnitude(values):

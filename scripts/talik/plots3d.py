@@ -24,7 +24,7 @@ from matplotlib.ticker import MaxNLocator
 
 from talik import bodies as bodiesOfScene
 from talik.plots import Path as Outline
-from talik.plots import bandsOf, colourBar, contactBonded, drawBands, finiteRange, frontLine, frontSaturation, magnitude, slopeFields
+from talik.plots import bandsOf, colourBar, contactBonded, drawBands, finiteRange, frontLine, frontSaturation, legendOfLines, magnitude, slopeFields, symmetric
 from talik.resampling import SpaceRaster, polygonsOf, surfaceLevel
 
 python = "/usr/bin/python3"  # Debian's, which has VTK
@@ -59,6 +59,8 @@ def slope(axes, frame, field, lower, upper, stripped=None, bodies=(), view=viewF
 	label, colourMap = label or usual[0], colormaps[colourMap or usual[1]]
 	values = magnitude(frame[field])
 	low, high = (given if given is not None else found for given, found in zip(limits or usual[2], finiteRange(values)))
+	if field in symmetric and limits is None and low < 0 < high:
+		low, high = -max(-low, high), max(-low, high)
 	norm = Normalize(low, max(high, low + 1e-12))
 	vertices, triangles, shown, bare = _surface(frame, values, lower, upper, stripped)
 	colours = colourMap(norm(shown))[:, :3]
@@ -103,6 +105,7 @@ def section(axes, frame, field, y, lower, upper, limits=None, label=None, colour
 	axes.set_ylabel("z [m]")
 	if bar:
 		colourBar(axes, bands, location="bottom", **_bar)
+		legendOfLines(axes)
 	return axes
 
 
@@ -188,14 +191,16 @@ def _show(axes, parts, box, view):
 	half = 1.12 * np.abs(corners @ right).max(), 1.12 * np.abs(corners @ up).max()
 	width = 1000
 	size = (oversampling * width, oversampling * int(np.ceil(width * half[1] / half[0])))
-	camera = dict(focus=focus, position=focus + 10 * np.linalg.norm(corners, axis=1).max() * towards, scale=half[1])
-	pixels, matrix = _rendered(dict(parts=parts, camera=camera, size=size))
+	# VTK's places have single precision: they count from the focus
+	camera = dict(focus=np.zeros(3), position=10 * np.linalg.norm(corners, axis=1).max() * towards, scale=half[1])
+	shifted = [{name: value - focus if name in ("points", "segments") else value for name, value in part.items()} for part in parts]
+	pixels, matrix = _rendered(dict(parts=shifted, camera=camera, size=size))
 	height, width = (length // oversampling for length in pixels.shape[:2])
 	axes.imshow(pixels.reshape(height, oversampling, width, oversampling, -1).mean(axis=(1, 3)).astype(np.uint8), interpolation="antialiased")
 	axes.set_axis_off()
 
 	def place(points):
-		seen = np.column_stack([points, np.ones(len(points))]) @ matrix.T
+		seen = np.column_stack([points - focus, np.ones(len(points))]) @ matrix.T
 		return np.column_stack([0.5 * (seen[:, 0] + 1) * width, 0.5 * (1 - seen[:, 1]) * height])
 
 	return place
@@ -252,10 +257,10 @@ def _scales(axes, place, box, view, unit="m", factor=1.0):
 		out = np.array([-along[1], along[0]])
 		out *= np.sign(out @ (ends.mean(axis=0) - middle)) or 1
 		tick = 0.012 * np.ptp(axes.get_xlim())
+		across = "center" if abs(out[0]) < 0.2 else "right" if out[0] < 0 else "left"  # so that numbers of two edges do not meet at their corner
 		for value, at in zip(ticks, line(ticks)):
 			axes.plot(*np.transpose([at, at + tick * out]), color="0.35", linewidth=0.8)
-			across = "center" if axis < 2 else "right" if out[0] < 0 else "left"
-			axes.text(*(at + (2.6 if axis < 2 else 1.6) * tick * out), f"{value:g}", ha=across, va="center", fontsize=8)
-		longest = max((len(f"{value:g}") for value in ticks), default=1)
-		away, across = (6.8, "center") if axis < 2 else (2.4 + 1.3 * longest, "right" if out[0] < 0 else "left")
+			axes.text(*(at + (2.6 if axis < 2 else 1.6) * tick * out), f"{value:.12g}", ha=across, va="center", fontsize=8)
+		longest = max((len(f"{value:.12g}") for value in ticks), default=1)
+		away = 6.8 + 0.5 * max(0, longest - 3) if axis < 2 else 2.4 + 1.3 * longest
 		axes.text(*(ends.mean(axis=0) + away * tick * out), f"{'xyz'[axis]} [{unit}]", ha=across, va="center", fontsize=9)

@@ -360,7 +360,7 @@ class SpaceRaster:
 		"""Closed surface on which `level` has a value: (vertices, triangles, fields at the vertices)."""
 		image, finder = vtkImageData(), vtkFlyingEdges3D()
 		image.SetDimensions(*(self.shape + 2))
-		image.SetOrigin(*(self.lower - 0.5 * self.step))
+		image.SetOrigin(*(-0.5 * self.step))  # VTK's places have single precision, half a metre in the north of UTM: they count from `lower`
 		image.SetSpacing(*self.step)
 		for name, values, mode in (("level", level, "constant"), *((f"field{k}", field, "edge") for k, field in enumerate(fields))):
 			array = numpy_to_vtk(np.pad(values, 1, mode=mode).ravel(order="F"), deep=True)
@@ -374,6 +374,6 @@ class SpaceRaster:
 		surface = finder.GetOutput()
 		vertices = vtk_to_numpy(surface.GetPoints().GetData()).astype(float)
 		# the raster reaches half a step beyond the sides of the box
-		vertices = np.clip(vertices, self.lower, self.lower + self.shape * self.step)
+		vertices = self.lower + np.clip(vertices, 0, self.shape * self.step)
 		triangles = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
 		return vertices, triangles, [vtk_to_numpy(surface.GetPointData().GetArray(f"field{k}")) for k in range(len(fields))]

@@ -101,3 +101,16 @@ def test_what_cannot_be_drawn_in_space_is_refused_with_a_sentence(monkeypatch):
 	with pytest.raises(RuntimeError, match="install Debian's package xvfb") as refusal:
 		plots3d.slope(axes, block(), "displacement", *box)
 	print(refusal.value)
+
+
+def test_ground_in_utm_has_the_surface_of_the_same_ground_at_the_origin_and_whole_numbers_at_its_axes():
+	"""Places of VTK have single precision, which is half a metre in the north of UTM."""
+	north = np.array([524300.0, 8690120.0, 105.0])
+	lattice = np.stack(np.meshgrid(*3 * [np.arange(6) + 0.5]), axis=-1).reshape(-1, 3)
+	surface = lambda shift: plots3d._surface(dict(position=lattice + shift, volume=np.ones(216)), np.ones(216), shift, shift + (6, 6, 8), None)[0] - shift
+	apart = np.abs(surface(north) - surface(np.zeros(3))).max()
+	axes = plots.figure(6, 4).subplots()
+	plots3d.slope(axes, dict(position=lattice + north, volume=np.ones(216), displacement=lattice), "displacement", north, north + (6, 6, 8))
+	numbers = [text.get_text() for text in axes.texts]
+	print(f"apart by {1e3 * apart:.4f} mm; {numbers}")
+	assert apart < 1e-6 and "8690122" in numbers and not any("e+" in text for text in numbers)
