@@ -32,7 +32,10 @@ def row(**defaults):
 
 	>>> talik.batch.row(cohesion=2e3).cohesion
 	2000.0"""
-	utils.readParamsFromTable(noTableOk=True, **defaults)
+	try:
+		utils.readParamsFromTable(noTableOk=True, **defaults)
+	except NameError as problem:
+		raise ValueError(f"batch.row: {problem}; give row() a default for every name in the rows") from None
 	from yade.params import table
 
 	return table
@@ -112,5 +115,6 @@ def run(script, rows, folder, jobs=None, threads=1, resume=False):
 	batch = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL)
 	if not any(file.exists() for file in left):
 		logs = [file.read_text(errors="replace") for file in sorted(folder.glob("*.log"))]
-		raise RuntimeError("batch.run: no row left a result; the first one said:\n" + "\n".join((logs or [batch.stdout + batch.stderr])[0].splitlines()[-15:]))
+		said = (logs or [batch.stdout + batch.stderr])[0].partition("=================== JOB SUMMARY")[0].rstrip()
+		raise RuntimeError("batch.run: no row left a result; the first one said:\n" + "\n".join(said.splitlines()[-15:]))
 	return [json.loads(file.read_text()) if file.exists() else None for file in left]

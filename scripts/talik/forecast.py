@@ -188,8 +188,10 @@ class Inversion:
 		return tuple(float(x) for x in np.quantile([row[name] for row in self.rows], (0.5 - level / 2, 0.5 + level / 2)))
 
 	def __str__(self):
-		head = ensemble.spreadHead, *(one.row() for one in self.spread().values())
-		return "\n".join(head) + f"\n\nmisfit {', '.join(f'{value:.3g}' for value in self.misfit)}"
+		table = ["| variable | mean | standard deviation | first decile | median | ninth decile |", "|---|---|---|---|---|---|"]
+		for name, one in self.spread().items():
+			table.append(f"| {name} | {' | '.join(f'{value:.3g}' for value in (one.mean, one.given.std(ddof=1), *one.deciles))} |")
+		return "\n".join(table) + f"\n\n{len(self.rows)} soils; misfit {', '.join(f'{value:.3g}' for value in self.misfit)}"
 
 
 def invert(model, variables, observed, members=100, steps=4, seed=1):
@@ -292,6 +294,10 @@ class Exceedance:
 	quantity: str = "result"
 	level: float = 0.9
 
+	def __post_init__(self):
+		if not len(self.known):
+			raise ValueError("Exceedance: there is no value; give that of one run or more, None for a run that failed")
+
 	@property
 	def known(self):
 		return np.sort([value for value in self.values if value is not None])
@@ -375,7 +381,7 @@ def probabilityMap(runs, field="displacement", above=0.1, day=None, inPlan=False
 	"""How probable it is, place by place, that a field of the ground is above a limit on a day: ProbabilityMap.
 
 	runs    of each run its frames, as talik.output.Frames keeps them and loadFrames reads them
-	field   name of a field; vectors by their length
+	field   name of a field; vectors by their length; "settlement" is the way down
 	above   limit, in units of the field
 	day     of the calendar, or an ISO date of a scene with talik.dates.start; the last frame up to it counts. None: the last one
 	inPlan  of ground in space a map: whether the field is above the limit anywhere below a place
@@ -383,11 +389,13 @@ def probabilityMap(runs, field="displacement", above=0.1, day=None, inPlan=False
 	>>> still = dict(position=np.zeros((1, 2)), displacement=np.zeros((1, 2)), volume=np.ones(1), time=0.0)
 	>>> talik.forecast.probabilityMap([[still], [still]], above=0.1).share
 	array([0.])"""
+	if not len(runs):
+		raise ValueError("probabilityMap: runs is empty; give the frames of one run or more, as talik.output.loadFrames reads them")
 	last = [_until(frames, day) for frames in runs]
 	name = f"{field} above {above:g}{_unitIn(*plots.slopeFields.get(field, (field,))[:1])}" + (
 		"" if day is None else f" by {day if isinstance(day, str) else f'day {day:g}'}"
 	)
-	last = [{**frame, "happened": plots.magnitude(frame[field]) > above} for frame in last]
+	last = [{**frame, "happened": plots.magnitude(plots.valuesOf(frame, field)) > above} for frame in last]
 	if inPlan:
 		side = ensemble.sideOf(last[0])
 		last = [_seenFromAbove(frame, side) for frame in last]

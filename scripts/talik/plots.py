@@ -169,7 +169,7 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 	the area of its points within 1 % (talik.resampling). slopeField draws the points themselves. Returns the axes.
 
 	>>> drawn = talik.plots.ground(axes, talik.output.allFields(mpm), "temperature", arrows="displacement")"""
-	values = -frame["displacement"][:, -1] if isinstance(field, str) and field == "settlement" else frame[field] if isinstance(field, str) else field
+	values = valuesOf(frame, field) if isinstance(field, str) else field
 	surface = surface or surfaceOf(frame)
 	bands = bands or bandsOf(field if isinstance(field, str) else "", values, **colours)
 	area = Path(*surface.polygons())
@@ -200,6 +200,19 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 		colourBar(axes, bands)
 		legendOfLines(axes)
 	return axes
+
+
+def valuesOf(frame, field):
+	"""Values (n,) or (n, 2) of a field of a frame, by its name; "settlement" is the way down.
+
+	>>> frame = {"displacement": np.array([[0.0, -0.1]])}
+	>>> talik.plots.valuesOf(frame, "settlement")
+	array([0.1])"""
+	if field == "settlement":
+		return -frame["displacement"][:, -1]
+	if field not in frame:
+		raise ValueError(f"there is no field '{field}' among those that were kept; choose one of settlement, {', '.join(sorted(frame))}")
+	return frame[field]
 
 
 def _areKinds(field):

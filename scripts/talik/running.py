@@ -16,7 +16,7 @@ import numpy as np
 from yade import O
 
 import talik
-from talik import _talik, ranks
+from talik import _talik, dates, ranks
 from talik.guards.runs import awaitEndOfStep, refuseToAbort
 from talik.progress import Progress
 
@@ -65,7 +65,10 @@ def runUntil(instant, look=None, interval=0.2, progress=False):
 def runUntilDay(mpm, day, look=None, longest=math.inf, progress=False):
 	"""As runUntil, until the calendar of `mpm` reaches `day`, but at most until O.time is `longest` [s].
 
+	day  of the calendar, or an ISO date of a scene with talik.dates.start
+
 	>>> talik.runUntilDay(mpm, mpm.calendar["day"], longest=O.time + 1)"""
+	day = dates.dayOf(day) if isinstance(day, str) else day
 	if _number("day", day, "days of the calendar") <= mpm.calendar["day"]:
 		return
 	if not _runs(mpm, O.engines):

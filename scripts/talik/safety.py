@@ -143,12 +143,11 @@ def factorOfSafety(mpm, accuracy=0.01, skeleton=None, between=(0.25, 4.0), told=
 	factor of safety 1.61: the ground stands with its strength over 1.542 and fails with 1.682"""
 	if mpm.axisymmetric:
 		raise ValueError("factorOfSafety: the ground is axisymmetric, and slopes are in plane strain or in space; leave axisymmetric out")
-	lowest, highest = between
 	if not 0.001 <= accuracy <= 0.2:
 		raise ValueError(f"factorOfSafety: accuracy is {accuracy!r}; give a part of the factor, 0.001 to 0.2")
-	if not 0 < lowest < highest:
+	if np.shape(between) != (2,) or not 0 < between[0] < between[1]:
 		raise ValueError(f"factorOfSafety: between is {between!r}; give two factors above 0, the smaller one first")
-	laws = _reducible(mpm, skeleton)
+	(lowest, highest), laws = between, _reducible(mpm, skeleton)
 	trials, frames = [], {}
 	with talik.scratchScene():
 		rested = _ground(mpm, laws, lowest)
@@ -325,6 +324,10 @@ class Circle:
 	radius: float
 	first: float
 	last: float
+
+	def __str__(self):
+		x, y = self.centre
+		return f"factor of safety {self.factor:.2f} on the circle around ({x:.2f}, {y:.2f}) m with a radius of {self.radius:.2f} m"
 
 	def arc(self, count=100):
 		"""Places (count, 2) on it [m]."""

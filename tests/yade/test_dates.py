@@ -37,6 +37,14 @@ def column(strain=0.1, **more):
 	return mpm
 
 
+def test_a_run_goes_on_to_a_date():
+	mpm = column()
+	O.engines = [mpm]
+	talik.runUntilDay(mpm, "2024-05-15T06:00")
+	print(f"day {mpm.calendar['day']:.4f}, due 0.25")
+	assert mpm.calendar["day"] == pytest.approx(0.25, abs=0.01)
+
+
 def test_a_date_is_a_day_of_the_calendar_and_back():
 	for date, day in (("2024-05-15", 0), ("2024-06-01T12:00", 17.5), ("2025-05-15", 365), ("2024-05-14", -1)):
 		assert talik.dates.dayOf(date) == day and talik.dates.dateOf(day) == date

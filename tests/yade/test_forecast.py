@@ -230,6 +230,8 @@ def test_a_curve_of_exceedance_is_the_share_of_runs_above_a_limit():
 		print(f"above {limit}: {share:.3f} ({low:.3f} to {high:.3f}), of the distribution {stats.lognorm(s=1).sf(limit):.3f}")
 		assert share == (values > limit).mean() and (low, high) == talik.ensemble.confidence((values > limit).sum(), 200)
 	print(curve)
+	with pytest.raises(ValueError, match="no value"):
+		forecast.Exceedance([None])
 	assert str(curve).startswith(f"displacement above {values.min():.3g} m: ") and curve.draw().axes[0].get_xlabel() == "displacement [m]"
 
 
@@ -251,8 +253,12 @@ def test_a_map_of_probability_counts_runs_place_by_place_up_to_a_day(tmp_path):
 	found.write(tmp_path / "map.vtu")
 	talik.plots.save(found.draw(), tmp_path / "map.png")
 	assert (tmp_path / "map.vtu").stat().st_size > 500
-	with pytest.raises(ValueError, match="no frame up to day -1"):
-		forecast.probabilityMap(runs, day=-1)
+	for given, told in ((dict(day=-1), "no frame up to day -1"), (dict(field="displacment"), "choose one of settlement, day, displacement")):
+		with pytest.raises(ValueError, match=told):
+			forecast.probabilityMap(runs, **given)
+	with pytest.raises(ValueError, match="runs is empty"):
+		forecast.probabilityMap([])
+	assert (forecast.probabilityMap(runs, "settlement", above=-0.1).share == 1).all()
 
 
 def ofHill(moved):
