@@ -262,11 +262,11 @@ def frontLine(axes, x, y, ice, inGround, outline):
 	low, high = finiteRange(ice[inGround])
 	if low < frontSaturation < high:
 		_clip(axes, axes.contour(x, y, np.ma.masked_invalid(ice), levels=[frontSaturation], colors=frontColour, linewidths=1.4), outline)
-		axes.plot([], [], color=frontColour, linewidth=1.4, label="thaw front")  # for a legend
+		axes.plot([], [], color=frontColour, linewidth=1.4, label="front, $S_i = 0.5$")  # for a legend
 
 
 def legendOfLines(axes):
-	"""Legend of the lines in a picture of ground that have names, such as the thaw front. Returns the axes.
+	"""Legend of the lines in a picture of ground that have names, such as the front. Returns the axes.
 
 	>>> drawn = talik.plots.legendOfLines(talik.plots.ground(axes, talik.output.allFields(mpm), "temperature"))"""
 	if axes.get_legend_handles_labels()[0]:
