@@ -217,9 +217,9 @@ void RveSkeleton::measureFriction(const vector<shared_ptr<RveSample>>& packed, c
 	measuredFriction      = py::extract<Real>(found[0]);
 	measuredFrictionError = py::extract<Real>(found[1]);
 	if (talik::isFirstRank())
-		std::cerr << "RveSkeleton: samples slip at the thaw front with their friction in steady simple shear, " << std::setprecision(3)
-		          << measuredFriction << " with a standard error of " << std::setprecision(2) << measuredFrictionError << " (" << sheared
-		          << (sheared == 1 ? " sample" : " samples") << " measured); slipFriction gives another." << std::setprecision(6) << std::endl;
+		std::cerr << "RveSkeleton: the samples slip at the thaw front with a friction of " << std::setprecision(3) << measuredFriction << " +- "
+		          << std::setprecision(2) << measuredFrictionError << ", measured in simple shear (" << sheared
+		          << (sheared == 1 ? " sample" : " samples") << "); slipFriction sets another." << std::setprecision(6) << std::endl;
 }
 
 SkeletonLaw::Model<3> RveSkeleton::build(const Places<3>& places)
