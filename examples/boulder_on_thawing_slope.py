@@ -110,7 +110,7 @@ def draw(record, path):
 			axes.fill(*line.T, facecolor="0.7", edgecolor="black", linewidth=0.8, zorder=3)
 		axes.set(xlim=(0, 13), ylim=(0, 4.6), xlabel="")
 		axes.set_title(plots.timeLabel(state["time"], state["day"]), loc="left", fontsize=10)
-	panels[1].set_title("crimson: thaw front; dashed: ground at the start", loc="right", fontsize=9)
+	panels[1].set_title("dashed: ground at the start", loc="right", fontsize=9)
 	panels[2].set_xlabel("x [m]")
 	rows = np.array(record.rows)
 	days = rows[:, 0] * thermalTimeScale / talik.day

@@ -65,7 +65,7 @@ positions = dict(zip("AB", mpm.field("position")[[A, B]]))
 slope = plots.ground(
 	fig.add_subplot(grid[0, 0]), output.allFields(mpm), "bondsBroken", label="bonds broken [-]", colourMap="YlOrRd", limits=(0, None), watched=positions
 )
-slope.set_title(f"day {mpm.calendar['day']:.0f}; crimson: thaw front, dashed: start", fontsize=10)
+slope.set_title(f"day {mpm.calendar['day']:.0f}; dashed: start", fontsize=10)
 past = mpm.history(A)
 plots.bondHistory(fig.add_subplot(grid[1, 0]), past["deviatoricStrain"], past["bondsIntact"], past["bondsBroken"], past["bondsMelted"]).set_title("bonds of A")
 picture = plots.save(fig, folder / "look_inside.png", dpi=80)

@@ -118,7 +118,7 @@ for title, frame in states.items():
 	plots.ground(panels[2], frame, "iceSaturation", start=False)
 	bodies.draw(panels[2], [O.bodies[wall]], color="0.3")
 	panels[2].set(xlim=(-0.4, width + 0.1), ylim=(-0.1, height + 0.6))
-	panels[2].set_title(f"{title}; crimson: front of frost", loc="left", fontsize=10)
+	panels[2].set_title(title, loc="left", fontsize=10)
 plots.save(figure, folder / "retaining_wall.png", dpi=100)
 output.writeSummary(
 	folder / "summary.json",

@@ -92,9 +92,7 @@ now = output.allFields(mpm)
 plots.ground(panels[0], atStart, "temperature", colourMap="YlGnBu_r", start=False, front=False)
 plots.ground(panels[1], now, "iceSaturation", start=False)
 plots.ground(panels[2], now, -1e3 * displacement[:, 1], label="settlement [mm]", limits=(0, None), start=False)
-for axes, title in zip(
-	panels, ("start, from the borehole; lines: borders of silt, clay and gravel", f"day {lastDay}; crimson: thaw front", f"day {lastDay}; dashed: the survey")
-):
+for axes, title in zip(panels, ("start, from the borehole; lines: borders of silt, clay and gravel", f"day {lastDay}", f"day {lastDay}; dashed: the survey")):
 	axes.set_title(title, loc="left", fontsize=10)
 	for soil in soils.values():
 		axes.plot(*zip(*soil["polygon"], soil["polygon"][0]), color="0.3", linewidth=0.6)

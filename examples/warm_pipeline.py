@@ -88,7 +88,7 @@ plots.ground(panels[0], output.allFields(mpm), "iceSaturation", start=False)
 circle = np.array(trench + trench[:1])
 panels[0].fill(*(circle - (0, settlement)).T, facecolor="0.75", edgecolor="black")
 panels[0].plot(*circle.T, color="0.35", linestyle="--", linewidth=0.8)
-panels[0].set_title(f"after {day / 365:.1f} years; dashed: the pipe at the start, grey: now; crimson: thaw front", loc="left", fontsize=10)
+panels[0].set_title(f"after {day / 365:.1f} years; dashed: the pipe at the start, grey: now", loc="left", fontsize=10)
 time, bulbs, lowests, settlements = np.array(rows).T
 panels[1].plot(time / 365, bulbs, color="black", label="computed")
 panels[1].plot(time / 365, np.interp(time - 10, days, radii), "--", color="black", label="by hand, no heat lost to frozen ground")

@@ -155,7 +155,7 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 	field    name of a field of the frame, vectors by their length, or values (n,); whole numbers (n,) are kinds of ground: each place is of the kind of
 			 most of its points. "settlement" is the way down of the points, negative where they heaved
 	bands    of bandsOf, where several pictures share their colours; else made with **colours: label, colourMap, levels, limits as there
-	bar      a colour bar beside the axes, and a legend of the front above them
+	bar      a colour bar beside the axes, and a legend of the front
 	front    crimson line where the ice saturation of the frame is 1/2
 	start    dashed outline of the ground before its displacement; or the Resampled of the ground then
 	arrows   name of a vector of the frame, "displacement" or "velocity": its direction, where it is above 10 % of its largest, or of the top of the
@@ -181,7 +181,10 @@ def ground(axes, frame, field, bands=None, bar=True, front=True, start=True, arr
 		border = surface((np.asarray(layers) >= number).astype(float))
 		_clip(axes, axes.contour(surface.x, surface.y, np.ma.masked_invalid(border), levels=[0.5], colors="0.25", linewidths=0.8, linestyles=":"), area)
 	if len(isotherms):
-		isolines(axes, frame["position"], frame["temperature"], frame["volume"], isotherms, unit=" °C", linewidths=0.7)
+		raster = np.ma.masked_invalid(surface(frame["temperature"]))
+		lines = axes.contour(surface.x, surface.y, raster, levels=sorted(isotherms), colors="black", linewidths=0.7)
+		_clip(axes, lines, area)
+		axes.clabel(lines, fmt=lambda level: f"{level:g} °C", fontsize=8)
 	if front and "iceSaturation" in frame:
 		frontLine(axes, surface.x, surface.y, surface(frame["iceSaturation"]), surface.ground, area)
 	if start and "displacement" in frame:
@@ -270,7 +273,7 @@ def legendOfLines(axes):
 
 	>>> drawn = talik.plots.legendOfLines(talik.plots.ground(axes, talik.output.allFields(mpm), "temperature"))"""
 	if axes.get_legend_handles_labels()[0]:
-		axes.legend(frameon=False, fontsize=8, loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0)
+		axes.legend(fontsize=8, loc="best", framealpha=0.8, edgecolor="none")
 	return axes
 
 
