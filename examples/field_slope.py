@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A slope without end that freezes and thaws for three years: heave, settlement and path, beside those measured at Endalen, Svalbard.
 
-	scripts/run field_slope [--preset test|draft] [--vary potential excess …]
+	scripts/run field_slope [--preset test|draft] [--vary potential active excess supply …]
 
 One column of cells (talik.slope.infiniteColumn) at 7 degrees: an active layer of 0.94 m over an ice-rich transient layer and permafrost. Measured by Harris
 et al. (2011, Permafr. Periglac. 22, 239, abstract) in the years from 2005 to 2008: frost heave 4.2, 6.6, 3.2 cm; path of the surface downslope 2.3,
@@ -32,7 +32,8 @@ gravity, density = 9.81, 0.55 * 2650 + 0.45 * 1000
 class Assumptions:
 	angle: float = 7.0  # [degrees]
 	potential: float = 5e-10  # SP_0 [m2/(s K)]: about what heave_test fits to Devon silt
-	excess: float = 0.2  # excess ice of the transient layer [-]
+	active: float = 0.9  # thickness of the active layer [m]
+	excess: float = 0.2  # excess ice of the transient layer below it [-]
 	conductivity: float = 2e-7  # [m/s]
 	supply: float = 0.0  # 1: water at the pressure of a table at the surface seeps in at the base, too
 	cohesion: float = 800.0  # of thawed ground [Pa]
@@ -44,7 +45,8 @@ class Assumptions:
 
 
 variations = {
-	"potential": (1e-9, 2e-9),
+	"potential": (0.0, 1e-9, 2e-9),
+	"active": (0.8,),
 	"excess": (0.4,),
 	"conductivity": (5e-8,),
 	"supply": (1.0,),
@@ -64,6 +66,7 @@ def build(slope):
 	sine, ratio = math.tan(math.radians(slope.frictionAngle)), math.tan(math.radians(slope.frictionAngle))
 	angle = math.asin(sine)
 	base = 1.4
+	cold = lambda x, y: -0.3 - 2.7 * np.clip(0.5 - y, 0, 0.5) / 0.5
 	below = [WallTemperature(region="bottom", temperature=-3)]
 	if slope.supply:
 		below.append(DrainedBoundary(region="bottom", pressure=1000 * gravity * math.cos(math.radians(slope.angle)) * base, recharge=True))
@@ -90,9 +93,9 @@ def build(slope):
 	transient = GroundMaterial(name="transient", solidConductivity=2, thawStrain=slope.excess)
 	rich = 1 - 0.55 * (1 - slope.excess)
 	layers = {
-		"active": dict(thickness=0.9, porosity=0.45, temperature=0.3, material=silt),
-		"transient": dict(thickness=0.3, porosity=rich, temperature=lambda x, y: -0.3 - 2.7 * np.clip(0.5 - y, 0, 0.5) / 0.5, material=transient),
-		"permafrost": dict(thickness=0.2, porosity=0.45, temperature=lambda x, y: -0.3 - 2.7 * np.clip(0.5 - y, 0, 0.5) / 0.5, material=silt),
+		"active": dict(thickness=slope.active, porosity=0.45, temperature=0.3, material=silt),
+		"transient": dict(thickness=1.2 - slope.active, porosity=rich, temperature=cold, material=transient),
+		"permafrost": dict(thickness=0.2, porosity=0.45, temperature=cold, material=silt),
 	}
 	talik.slope.infiniteColumn(mpm, slope.angle, layers, waterDepth=0.0)
 	return mpm
@@ -144,6 +147,7 @@ def years(slope, number):
 				thaw=reached,
 				profile=1e3 * (after[:, 0] - before[:, 0]),
 				depth=depth,
+				day=mpm.calendar["day"],
 			)
 		)
 		before, reached = after, 0.0
@@ -153,13 +157,20 @@ def years(slope, number):
 
 
 def said(values, digits=0):
-	return ", ".join(f"{value:.{digits}f}" for value in values)
+	return ", ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)
+
+
+def moved(year):
+	"""Path, settlement and heave of a year, or when the slope flows."""
+	if year["path"] > 1e3 * flowing:
+		return f"flows on day {year['day']:.0f} ({year['heave']:.0f} of heave)"
+	return f"{year['path']:.0f} ({year['settlement']:.0f}; {year['heave']:.0f})"
 
 
 def row(name, found):
 	sunk = sum(year["settlement"] - year["heave"] for year in found)
 	cells = [said(year[key] for year in found) for key in ("heave", "settlement", "path", "basal", "ice")]
-	return f"| {name} | {' | '.join(cells)} | {said((year['thaw'] for year in found), 2)} | {sunk:.0f} |"
+	return f"| {name} | {' | '.join(cells)} | {said((year['thaw'] for year in found), 2)} | {said([sunk])} |"
 
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -170,36 +181,41 @@ options = parser.parse_args()
 folder = writableFolder(options.output)
 
 number = {"test": 1, "draft": 3}[options.preset]
+steeper = {"test": (24,), "draft": tuple(centrifuge)}[options.preset]
 usual = Assumptions()
+assumed = [("as assumed", {}), *((f"{name} {value:g}", {name: value}) for name in options.vary for value in variations[name])]
+runs = {}  # by assumption and slope
+for name, changes in assumed:
+	for angle in (usual.angle, *steeper):
+		runs[name, angle] = years(replace(usual, angle=float(angle), **changes), number if angle == usual.angle else 1)
+		print(f"{name}, {angle:g}°: path {said(year['path'] for year in runs[name, angle])} mm", flush=True)
+
 lines = [
 	"| at 7°, of each year | heave [mm] | settlement [mm] | path [mm] | path at 0.95 m [mm] | excess ice [mm] | thaw [m] | lower after all [mm] |",
 	"|---|---|---|---|---|---|---|---|",
 	f"| **measured** | {said(measured['heave'])} | more than the heave | {said(measured['path'])} | in years 1 and 3 | | 0.94 to 1.08 | {measured['sunk']} |",
+	*(row(name, runs[name, usual.angle]) for name, _ in assumed),
+	"",
+	"| of one soil in the first year, path (settlement; heave) [mm] | 7° | " + " | ".join(f"{angle}°" for angle in steeper) + " |",
+	"|---|---|" + "---|" * len(steeper),
+	f"| **measured** | {measured['path'][0]} (more than {measured['heave'][0]}; {measured['heave'][0]}) | "
+	+ " | ".join(centrifuge[angle] for angle in steeper)
+	+ " |",
+	*(f"| {name} | " + " | ".join(moved(runs[name, angle][0]) for angle in (usual.angle, *steeper)) + " |" for name, _ in assumed),
 ]
 print(*lines, sep="\n")
-runs = {}
-for name, changes in [("as assumed", {}), *((f"{name} {value:g}", {name: value}) for name in options.vary for value in variations[name])]:
-	runs[name] = years(replace(usual, **changes), number)
-	lines.append(row(name, runs[name]))
-	print(lines[-1], flush=True)
-steeper = {} if options.preset == "test" else {angle: years(replace(usual, angle=float(angle)), 1)[0] for angle in centrifuge}
-if steeper:
-	lines += ["", "| slope, one year | path [mm] | measured in the centrifuge [mm] | heave [mm] |", "|---|---|---|---|"]
-for angle, found in steeper.items():
-	path = "flows" if found["path"] > 1e3 * flowing else f"{found['path']:.0f}"
-	lines.append(f"| {angle}° | {path} | {centrifuge[angle]} | {found['heave']:.0f} |")
-	print(lines[-1])
 writeWhole(folder / "table.md", "\n".join(lines) + "\n")
 
+here = runs["as assumed", usual.angle]
 figure = plots.figure(9, 4)
 bars, profile = figure.subplots(1, 2)
-for k, (name, year) in enumerate((key, found) for key in ("heave", "path") for found in [runs["as assumed"]]):
+for k, (name, year) in enumerate((key, found) for key in ("heave", "path") for found in [here]):
 	place = np.arange(len(year)) + 4 * k
 	bars.bar(place - 0.2, measured[name][: len(year)], 0.4, color="firebrick", label="measured" if k == 0 else None)
 	bars.bar(place + 0.2, [found[name] for found in year], 0.4, color="0.5", label="computed" if k == 0 else None)
 bars.set(ylabel="[mm]", xticks=(1, 5), xticklabels=("frost heave, three years", "path downslope, three years"))
 bars.legend(frameon=False)
-for k, found in enumerate(runs["as assumed"]):
+for k, found in enumerate(here):
 	profile.plot(found["profile"], found["depth"], "o-", markersize=3, label=f"year {k + 1}")
 profile.invert_yaxis()
 profile.set(xlabel="path downslope in the year [mm]", ylabel="depth [m]")
@@ -207,9 +223,10 @@ profile.legend(frameon=False)
 plots.save(figure, folder / "field_slope.png", dpi=100)
 output.writeSummary(
 	folder / "summary.json",
-	**{f"{key} [mm]": [float(found[key]) for found in runs["as assumed"]] for key in ("heave", "settlement", "path", "ice")},
+	**{f"{key} [mm]": [float(found[key]) for found in here] for key in ("heave", "settlement", "path", "ice")},
 )
-first = runs["as assumed"][0]
-if not (first["heave"] > 0 and first["path"] > 0):
+if not (here[0]["heave"] > 0 and here[0]["path"] > 0):
 	output.unexpected("the slope does not heave in winter, or does not move downslope")
+if not all(runs[name, angle][0]["path"] > runs[name, usual.angle][0]["path"] for name, angle in runs if angle != usual.angle):
+	output.unexpected("a steeper slope of the same soil moves less")
 print(f"picture and table are in {folder}")
