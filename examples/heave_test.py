@@ -37,7 +37,9 @@ published = (6e-10, 1e-9, 1.4e-9)  # segregation potentials of Devon silt withou
 
 
 def heaveOf(segregation):
-	"""Heave of the surface [mm] at the hours, and at the end the excess ice [mm] and the thickness that has frozen [mm]."""
+	"""Heave [mm] at the hours, by the volume of all points, and at the end the path of the surface, the excess ice and the thickness that has frozen [mm].
+
+	Points beside a thick lens part from it or reach into it, which moves the surface and no volume."""
 	O.reset()
 	mpm = MpmEngine(
 		gridSpacing=h,
@@ -72,9 +74,9 @@ def heaveOf(segregation):
 	top, heave = int(np.argmax(mpm.field("position")[:, 1])), []
 	for hour in hours:
 		talik.runUntilDay(mpm, hour / 24)
-		heave.append(1e3 * mpm.field("displacement")[top, 1])
+		heave.append(1e3 * (mpm.field("volume").sum() / h - height))
 	frozen = 1e3 * height * np.mean(mpm.field("iceSaturation") > 0.5)
-	return np.array(heave), 1e3 * mpm.field("segregatedVolume").sum() / h, frozen
+	return np.array(heave), 1e3 * mpm.field("displacement")[top, 1], 1e3 * mpm.field("segregatedVolume").sum() / h, frozen
 
 
 def byHand(potential):
@@ -114,15 +116,15 @@ if readings:
 	potential = fitted(lambda at: heaveOf(IceSegregation(segregationPotential=at, **law))[0], readings)
 	curves[f"fitted, SP {potential:.3g}"] = heaveOf(IceSegregation(segregationPotential=potential, **law))
 	alone = fitted(byHand, readings)
-	curves[f"by hand, fitted, SP {alone:.3g}"] = byHand(alone), np.nan, np.nan
+	curves[f"by hand, fitted, SP {alone:.3g}"] = byHand(alone), np.nan, np.nan, np.nan
 names = list(curves)
 lines = ["| hour | measured | " + " | ".join(names) + " |", "|---|" + "---|" * (1 + len(names))]
 for k, hour in enumerate(hours):
 	known = [f"{row[1]:.1f}" for row in readings if row[0] == hour]
 	lines.append(f"| {hour} | {(known or [''])[0]} | " + " | ".join(f"{curves[name][0][k]:.1f}" for name in names) + " |")
 print("heave [mm]", *lines, sep="\n")
-for name, (heave, excess, frozen) in curves.items():
-	print(f"{name}: heave {heave[-1]:.1f} mm, excess ice {excess:.1f} mm, frozen {frozen:.0f} mm")
+for name, (heave, surface, excess, frozen) in curves.items():
+	print(f"{name}: heave {heave[-1]:.1f} mm, of the surface {surface:.1f} mm, excess ice {excess:.1f} mm, frozen {frozen:.0f} mm")
 
 figure = plots.figure(7.5, 5)
 axes = figure.subplots()
