@@ -143,13 +143,14 @@ def test_rows_of_a_batch_that_left_their_results_stay_when_it_is_run_again(tmp_p
 	assert [result["y"] for result in changed] == [10, 6] and changed[1] == again[1]
 
 
-def test_a_batch_keeps_the_results_of_the_one_before_and_refuses_a_folder_of_other_files(tmp_path, capsys):
+def test_a_batch_keeps_the_results_of_the_one_before_and_refuses_a_folder_of_other_files(tmp_path, capsys, monkeypatch):
+	monkeypatch.setattr(batch.subprocess, "run", lambda *command, cwd, **more: (cwd / "row000.json").write_text('{"y": 2}'))
 	script, former = tmp_path / "row.py", tmp_path / "study"
 	script.write_text("import talik\nrow = talik.batch.row(x=1)\ntalik.batch.leave(y=2 * row.x)\n")
 	former.mkdir()
 	for name in (batch.allRows, "row000.json", "frames-1.npz"):
 		(former / name).write_text("former")
-	batch.run(script, [dict(x=1)], former)
+	assert batch.run(script, [dict(x=1)], former) == [{"y": 2}]
 	print(capsys.readouterr().out)
 	assert (tmp_path / "study-1/frames-1.npz").read_text() == "former" and not (former / "frames-1.npz").exists()
 	with pytest.raises(ValueError, match="holds files of no batch"):
