@@ -139,7 +139,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 		heat->keepOutside(grid);
 		content->holdExcessIce(segregation->volume, segregation->iceMass);
 	}
-	if (compression) compression->bind(*points, *thawStrain, content->porosity, content->iceSaturation, grid.cellCount());
+	if (compression) compression->bind(*points, *thawStrain, content->porosity, content->iceSaturation);
 	if (motion) skeletons.bind(settings.skeletons, *points, arraysOfSkeletons());
 	shareRecords();
 	if (surface) {

@@ -42,7 +42,7 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 	if (front) front->keepOnly(begin, end);
 	if (thawStrain) thawStrain->keepOnly(halo, begin, end);
 	if (segregation) segregation->keepOnly(halo, begin, end);
-	if (compression) compression->keepOnly(halo, begin, end);
+	if (compression) compression->keepOnly(begin, end);
 	if (calendar) calendar->keepOnly(halo);
 	scratch.keepOnly(begin, end);
 }

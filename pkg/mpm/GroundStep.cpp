@@ -552,7 +552,7 @@ template <int D> void Ground<D>::Parts::compressThawed(const StepContext<D>& ste
 		thawed.iceSaturation = compression->noIce();
 		skeletons.law(k).tangentModulus(thawed, compression->thawedModulus());
 	}
-	compression->compress(step, inMotion, scratch.data(), averagingCells(), motion->gradient);
+	compression->compress(step, inMotion, scratch.data(), motion->gradient);
 }
 
 template <int D> std::exception_ptr Ground<D>::Parts::updateSkeletons(const StepContext<D>& step)

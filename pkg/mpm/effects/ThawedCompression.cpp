@@ -18,7 +18,7 @@ ThawedCompression<D>::ThawedCompression(PointFields& fields, const GroundSetting
 }
 
 template <int D>
-void ThawedCompression<D>::bind(MaterialPoints<D>& points, const ThawStrain<D>& thawStrain, const double* porosity, const double* iceSaturation, int cells)
+void ThawedCompression<D>::bind(MaterialPoints<D>& points, const ThawStrain<D>& thawStrain, const double* porosity, const double* iceSaturation)
 {
 	const Vec<D>& gravity          = settings_->motion->gravity;
 	points_                        = &points;
@@ -28,13 +28,10 @@ void ThawedCompression<D>::bind(MaterialPoints<D>& points, const ThawStrain<D>& 
 	compression_                   = points.fields().component(compressionField_);
 	meanPressure_                  = points.fields().component(meanPressureField_);
 	stressAtStart_                 = points.fields().component(stressAtStartField_);
-	ofThawed_                      = bool(settings_->water);
 	smoothingTime_                 = gravityTime(settings_->gridSpacing, lengthOf<D>(gravity));
 	down_[layerNormal<D>(gravity)] = 1.0;
-	sharing_.bind(settings_->motion->bBar, cells, points.capacity());
-	for (PagedArray<double>* byPlace : { &noIce_, &thawedModulus_ })
+	for (PagedArray<double>* byPlace : { &noIce_, &thawedModulus_, &losses_ })
 		byPlace->reset(points.capacity());
-	wishes_.reset(points.capacity());
 	ofSkeleton_.reserve(points.capacity());
 	lost_.reserve(points.capacity());
 }
@@ -63,82 +60,39 @@ template <int D> const std::vector<int>& ThawedCompression<D>::thawedAmong(const
 	return ofSkeleton_;
 }
 
-/// Eq. (24.5) at one point by bracketing: the stress cannot fall below zero.
-template <int D> typename ThawedCompression<D>::Wish ThawedCompression<D>::wishOf(int p, double present, double bearing, double modulus, double taken) const
+/// What a point loses in a step of its volume, eqs (24.5) and (24.6).
+template <int D> double ThawedCompression<D>::lossOf(int p, double present, double pressure, double modulus) const
 {
-	const double pressure = meanPressure_[p];
-	if (!(pressure > 0.0 && bearing > 0.0) || thawStrain_->isOpen(p) || !isThawed(p)) return {};
-	const CompressionCurve& curve      = settings_->materials[points_->material(p)].compression;
-	const double            share      = melted(p);
-	const double            solidShare = (1.0 - porosity_[p]) * present, lawModulus = thawedModulus_[p];
-	// what is still to be lost if the point now loses the strain r, its stress falls by that, and the mean of its stress follows
-	const auto missing = [&](double r) {
-		const double left = pressure - taken * modulus * r;
-		return share * (curve.strain(left, solidShare) - present * (left - stressAtStart_[p]) / lawModulus) - compression_[p] - present * r;
-	};
-	const double wanted = missing(0.0);
-	if (!(wanted > 0.0)) return {};
-	double low = 0.0, atLow = wanted, high = std::min(pressure / taken, bearing) / modulus, atHigh = missing(high);
-	if (atHigh > 0.0) return { wanted / present, std::max(0.0, wanted / (present * high) - 1.0) };
-	for (int side = 0, k = 0; k < 40 && high - low > 1e-12 * high; ++k) { // regula falsi of Illinois
-		const double r = low + (high - low) * atLow / (atLow - atHigh), at = missing(r);
-		if (at > 0.0) {
-			low   = r;
-			atLow = at;
-			if (side > 0) atHigh *= 0.5;
-			side = 1;
-		} else {
-			high   = r;
-			atHigh = at;
-			if (side < 0) atLow *= 0.5;
-			side = -1;
-			if (at == 0.0) break;
-		}
-	}
-	return { wanted / present, high > 0.0 ? std::max(0.0, wanted / (present * high) - 1.0) : 0.0 };
+	const double mean = meanPressure_[p];
+	if (!(mean > 0.0 && pressure > 0.0) || !isThawed(p)) return 0.0;
+	const double strain = settings_->materials[points_->material(p)].compression.strain(mean, (1.0 - porosity_[p]) * present);
+	const double wanted = melted(p) * (strain - present * (mean - stressAtStart_[p]) / thawedModulus_[p]) - compression_[p];
+	return std::clamp(wanted / present, 0.0, pressure / modulus);
 }
 
 template <int D>
-void ThawedCompression<D>::compress(
-        const StepContext<D>& step, const PointsInMotion<D>& moving, const double* modulus, const CellMeans<D>* cells, const Gradients<D>& gradient)
+void ThawedCompression<D>::compress(const StepContext<D>& step, const PointsInMotion<D>& moving, const double* modulus, const Gradients<D>& gradient)
 {
-	const double* const volume = moving.volume;
-	sharing_.clear(step, cells);
-	sharing_.add(step, [&](int p, Sharing& s) {
-		const double counts = volume[p] * (ofThawed_ ? melted(p) : 1.0);
-		s.volume += volume[p];
-		s.bearing += counts;
-		s.pressure += counts * moving.pressureAlong(p, down_);
-	});
-	const double taken = -std::expm1(-step.dt / smoothingTime_);
+	const double taken   = -std::expm1(-step.dt / smoothingTime_);
+	const auto   present = [&](int p) { return moving.volume[p] / moving.initialVolume[p]; };
 	step.strips.gather([&](int, int first, int last) {
 		for (int p = first; p < last; ++p) {
-			const Sharing& s = sharing_[p];
-			wishes_[p]       = {};
-			if (s.bearing == 0.0) continue;
-			meanPressure_[p] += taken * (s.pressure / s.bearing - meanPressure_[p]);
-			wishes_[p] = wishOf(p, volume[p] / moving.initialVolume[p], s.pressure / s.bearing, modulus[p], taken);
+			const double pressure = moving.pressureAlong(p, down_);
+			meanPressure_[p] += taken * (pressure - meanPressure_[p]);
+			losses_[p] = lossOf(p, present(p), pressure, modulus[p]);
 		}
 	});
-	sharing_.add(step, [&](int p, Sharing& s) {
-		s.wanted += volume[p] * wishes_[p].strain;
-		s.stiffened += volume[p] * (1.0 + wishes_[p].excess);
-	});
 	for (int p = step.strips.firstPoint(); p < step.strips.endPoint(); ++p) {
-		const Sharing& s = sharing_[p];
-		if (s.wanted == 0.0) continue;
-		lost_.add(gradient, p, s.wanted / s.stiffened, down_);
-		if (wishes_[p].strain > 0.0) meanPressure_[p] -= taken * modulus[p] * s.wanted / s.stiffened;
-		compression_[p] += wishes_[p].strain * s.volume / s.stiffened * volume[p] / moving.initialVolume[p];
+		if (losses_[p] == 0.0) continue;
+		lost_.add(gradient, p, losses_[p], down_);
+		compression_[p] += losses_[p] * present(p);
 	}
 }
 
-template <int D> void ThawedCompression<D>::keepOnly(const ActiveRange& range, int firstPoint, int endPoint)
+template <int D> void ThawedCompression<D>::keepOnly(int firstPoint, int endPoint)
 {
-	sharing_.keepOnly(range, firstPoint, endPoint);
-	for (PagedArray<double>* byPlace : { &noIce_, &thawedModulus_ })
+	for (PagedArray<double>* byPlace : { &noIce_, &thawedModulus_, &losses_ })
 		byPlace->keepOnly(firstPoint, endPoint);
-	wishes_.keepOnly(firstPoint, endPoint);
 }
 
 template <int D> std::string ThawedCompression<D>::fault(const std::string& law, int p) const
