@@ -435,8 +435,8 @@ def progressOf(frames, byTime=0.0):
 	path, last = [0.0], frames[0]
 	for frame in frames[1:]:
 		same = frame["displacement"].shape == last["displacement"].shape
-		change = {"displacement": frame["displacement"] - last["displacement"], "volume": frame["volume"]}
-		path.append(path[-1] + (motionOf(change) if same else abs(motionOf(frame) - motionOf(last))))
+		moved = motionOf({**frame, "displacement": frame["displacement"] - last["displacement"]}) if same else abs(motionOf(frame) - motionOf(last))
+		path.append(path[-1] + moved)
 		last = frame
 	if not path[-1] > 1e-6 * np.ptp(frames[0]["position"], axis=0).max():
 		return elapsed
