@@ -20,18 +20,21 @@
 
 namespace talik {
 
+/// Items as a list of Python's.
+template <class Items> boost::python::list listOf(const Items& items)
+{
+	boost::python::list list;
+	for (const auto& item : items)
+		list.append(item);
+	return list;
+}
+
 /// Lets Python assign a list of objects to an attribute vector<shared_ptr<T>> and read it back as a list.
 template <class T> struct SequenceConverter {
 	using Element  = boost::shared_ptr<T>;
 	using Sequence = std::vector<Element>;
 
-	static PyObject* convert(const Sequence& sequence)
-	{
-		boost::python::list result;
-		for (const auto& element : sequence)
-			result.append(element);
-		return boost::python::incref(result.ptr());
-	}
+	static PyObject* convert(const Sequence& sequence) { return boost::python::incref(listOf(sequence).ptr()); }
 
 	static void* convertible(PyObject* object)
 	{

@@ -338,7 +338,7 @@ TEST(PackedSample, servoReachesADepthBand)
 {
 	PackedSample<2>       sample(packedReference::sample().state());
 	PackedServoOptions<2> options;
-	options.principalStress = { -20e3, -40e3 };
+	options.stress = Eigen::Vector2d(-20e3, -40e3).asDiagonal();
 	ASSERT_TRUE(sample.servo(options));
 	sample.advance(1000);
 	const Matrix s = sample.stress();
@@ -348,7 +348,7 @@ TEST(PackedSample, servoReachesADepthBand)
 	EXPECT_NEAR(s(0, 0), -20e3, 80);
 	EXPECT_NEAR(s(1, 1), -40e3, 80);
 	EXPECT_NEAR(s(0, 1), 0, 80);
-	options.principalStress = { 1e3, -1e3 };
+	options.stress = Eigen::Vector2d(1e3, -1e3).asDiagonal();
 	EXPECT_THROW(sample.servo(options), std::invalid_argument);
 }
 

@@ -18,13 +18,7 @@ using talik::PackedSample;
 using talik::PackedState;
 
 namespace {
-	py::tuple tupleOf(const std::vector<double>& values)
-	{
-		py::list list;
-		for (const double value : values)
-			list.append(value);
-		return py::tuple(list);
-	}
+	py::tuple tupleOf(const std::vector<double>& values) { return py::tuple(talik::listOf(values)); }
 
 	/// What IceCreep.over returned, or None. Throws std::invalid_argument naming the method.
 	talik::BondCreep bondCreep(const std::string& method, const py::object& creep)
@@ -204,7 +198,7 @@ bool RveSample::servo(Real stressX, Real stressY, const py::object& stressZ)
 		constexpr int                  dim = dimensionOf<std::decay_t<decltype(s)>>;
 		talik::PackedServoOptions<dim> options;
 		for (int d = 0; d < dim; ++d)
-			options.principalStress[d] = stresses[d];
+			options.stress(d, d) = stresses[d];
 		PackedSample<dim> sample(s);
 		const bool        reached = sample.servo(options);
 		setPacked(sample.state());

@@ -157,7 +157,7 @@ namespace {
 		        : sample(driven)
 		        , options(chosen)
 		{
-			scale = options.principalStress.cwiseAbs().maxCoeff();
+			scale = std::max(options.stress.cwiseAbs().maxCoeff(), options.pressureFloor);
 		}
 
 		bool perform()
@@ -177,16 +177,9 @@ namespace {
 		}
 
 	private:
-		Matrix error() const
-		{
-			Matrix target = Matrix::Zero();
-			for (int d = 0; d < Dim; ++d)
-				target(d, d) = options.principalStress[d];
-			return target - sample.stress();
-		}
-
-		bool withinTolerance() const { return error().cwiseAbs().maxCoeff() < options.stressTolerance * scale; }
-		bool atRest() const { return sample.statistics().unbalancedForce < options.unbalancedLimit; }
+		Matrix error() const { return options.stress - sample.stress(); }
+		bool   withinTolerance() const { return error().cwiseAbs().maxCoeff() < options.stressTolerance * scale; }
+		bool   atRest() const { return sample.statistics().unbalancedForce < options.unbalancedLimit; }
 
 		/// Strain rate that would remove a share of the stress error during one interval, within the inertial limit.
 		Matrix correction(long done)
@@ -198,7 +191,7 @@ namespace {
 			if (stiffness == 0) stiffness = sample.largestModulus();
 			PackedParameters<Dim> p = sample.parameters();
 			p.stress                = Matrix::Identity() * -scale;
-			const double limit      = strainPerStep<Dim>(p, p.dt, sample.meanRadius(), options.maxInertialNumber, 1.) / p.dt;
+			const double limit      = strainPerStep<Dim>(p, p.dt, sample.meanRadius(), options.maxInertialNumber, options.pressureFloor) / p.dt;
 			const double gain       = share / (stiffness * double(options.interval) * p.dt);
 			const auto   bounded    = [limit](double rate) { return std::max(-limit, std::min(limit, rate)); };
 			return Matrix(gain * error()).unaryExpr(bounded);
@@ -277,17 +270,19 @@ PackedUpdateResult<Dim> PackedSample<Dim>::apply(const Matrix& displacementGradi
 
 template <int Dim> bool PackedSample<Dim>::servo(const PackedServoOptions<Dim>& options)
 {
-	if (!options.principalStress.allFinite() || !(options.principalStress.maxCoeff() < 0))
-		throw std::invalid_argument(
-		        "packed sample: principalStress = " + std::to_string(options.principalStress.maxCoeff()) + " Pa must be compressive (negative)");
+	const double largest = options.stress.diagonal().maxCoeff();
+	if (!options.stress.allFinite() || !(largest < 0))
+		throw std::invalid_argument("packed sample: stress = " + std::to_string(largest) + " Pa must be compressive (negative)");
 	const PackedState<Dim> before = state();
 	try {
-		return Servo<Dim>(*this, options).perform();
+		return strainTowards(options);
 	} catch (const std::runtime_error&) {
 		this->load(before);
 		throw;
 	}
 }
+
+template <int Dim> bool PackedSample<Dim>::strainTowards(const PackedServoOptions<Dim>& options) { return Servo<Dim>(*this, options).perform(); }
 
 template <int Dim> typename PackedTypes<Dim>::Matrix PackedSample<Dim>::stress() const { return symmetric<Matrix>(this->lastStress()); }
 template <int Dim> void                              PackedSample<Dim>::forcePortable(bool portable) { portableForced = portable; }

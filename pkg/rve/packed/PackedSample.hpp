@@ -6,9 +6,10 @@ namespace talik {
 
 /// Drives the cell until the sample carries given stresses.
 template <int Dim> struct PackedServoOptions {
-	typename PackedTypes<Dim>::Vector principalStress = PackedTypes<Dim>::Vector::Constant(
-	        -1e5);                   ///< sigma_xx, sigma_yy(, sigma_zz), tension positive [Pa], < 0
-	double stressTolerance   = 1e-3; ///< of the largest target [-]
+	typename PackedTypes<Dim>::Matrix stress = -1e5 * PackedTypes<Dim>::Matrix::Identity(); ///< symmetric, tension positive [Pa]
+
+	double pressureFloor     = 1;    ///< the largest component is never taken smaller [Pa]
+	double stressTolerance   = 1e-3; ///< of it [-]
 	double unbalancedLimit   = 1e-3; ///< [-]
 	double maxInertialNumber = 2e-3; ///< bounds the strain rate, eq. (13.1) [-]
 	long   maxSteps          = 400000;
@@ -53,6 +54,8 @@ public:
 
 	/// True when converged; the velocity gradient is zero afterwards. Throws std::invalid_argument on targets in tension.
 	bool servo(const PackedServoOptions<Dim>& options);
+	/// The same for any target; what is left of a sample that blows up is of no use.
+	bool strainTowards(const PackedServoOptions<Dim>& options);
 
 	/// Symmetrised Love-Weber stress of the last step, tension positive [Pa].
 	Matrix stress() const;

@@ -231,13 +231,6 @@ template <int Dim> typename PackedWorkspace<Dim>::Matrix PackedWorkspace<Dim>::h
 
 template <int Dim> void PackedWorkspace<Dim>::setNextVelGrad(const Matrix& velGrad) { copyMatrix<Dim>(velGrad, view.nextVelGrad); }
 
-template <int Dim> void PackedWorkspace<Dim>::setFriction(double tangent)
-{
-	if (!(tangent >= 0)) throw std::invalid_argument("packed sample: friction = " + std::to_string(tangent) + " must not be negative");
-	base.friction = view.friction = tangent;
-	setStrengths();
-}
-
 template <int Dim> void PackedWorkspace<Dim>::setStrengths()
 {
 	// what is left of a bond without ice is no ice
@@ -563,6 +556,7 @@ template <int Dim> bool PackedWorkspace<Dim>::anyBond() const
 	        || std::any_of(periodicLanes.bond.begin(), periodicLanes.bond.end(), carries);
 }
 
+/// Eq. (14.5).
 template <int Dim> bool grainsShrink(PackedThawStrain& thaw, double& radiusFactor, double iceBefore, double iceNow)
 {
 	if (thaw.thawStrain == 0) return false;

@@ -57,7 +57,6 @@ public:
 	void creep(const BondCreep& creep);
 	/// Bonds every frictional pair with gap <= ice.bondRange R_min, stress-free, whatever the history of ice saturation. Returns their number.
 	std::size_t bondAll();
-	void        setFriction(double tangent);
 	/// Flips the cell to its shortest equivalent vectors if a skew exceeds `skew`; physics unchanged. True if it flipped.
 	bool flip(double skew = 0.5);
 
@@ -67,7 +66,6 @@ public:
 
 	/// Of the last steps that were run, tension positive, not symmetrised [Pa].
 	const Matrix&         lastStress() const { return base.stress; }
-	void                  setLastStress(const Matrix& stress) { base.stress = stress; }
 	PackedStatistics<Dim> statistics() const;
 	PackedTangent<Dim>    tangent() const;
 	Matrix                hSize() const;
