@@ -58,10 +58,7 @@ namespace {
 		py::tuple stress(std::size_t sample) const override
 		{
 			const StepGate gate;
-			py::list       list;
-			for (const double component : components<Dim>(results.at(sample).stress))
-				list.append(component);
-			return py::tuple(list);
+			return py::tuple(listOf(components<Dim>(results.at(sample).stress)));
 		}
 		std::size_t size() const override { return pool.size(); }
 		std::size_t bytes() const override

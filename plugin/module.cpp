@@ -72,10 +72,7 @@ namespace {
 		holdScriptsObjects();
 		if (!ours.empty()) registerIntoRunningYade(ours);
 		checkpointClasses().insert(checkpointClasses().end(), ours.begin(), ours.end());
-		py::list result;
-		for (const auto& name : ours)
-			result.append(name);
-		return result;
+		return listOf(ours);
 	}
 
 	void refuseWhileRunning(const char* what)
@@ -266,14 +263,7 @@ BOOST_PYTHON_MODULE(_talik)
 	        "Check that the running YADE is the one this module was built for, register our classes into it and return the names of "
 	        "all of them. ImportError when YADE differs.");
 	py::def(
-	        "ownClasses",
-	        +[] {
-		        py::list names;
-		        for (const auto& name : checkpointClasses())
-			        names.append(name);
-		        return names;
-	        },
-	        "Names of our classes.");
+	        "ownClasses", +[] { return listOf(checkpointClasses()); }, "Names of our classes.");
 	py::def("exchangeScene", exchangeScene, py::arg("scene"), "Make *scene* the current scene of O and return the former one. Refused while O runs.");
 	py::def(
 	        "sameObject", +[](const shared_ptr<Serializable>& first, const shared_ptr<Serializable>& second) { return first == second; },

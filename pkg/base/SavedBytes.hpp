@@ -10,16 +10,23 @@
 
 namespace talik {
 
-/// Appends plain values and blocks to a string of bytes.
+/// Appends plain values, arrays and blocks to a string of bytes.
 class ByteWriter {
 public:
+	void raw(const void* data, std::size_t bytes) { bytes_.append(static_cast<const char*>(data), bytes); }
+	void number(std::uint64_t value) { raw(&value, sizeof value); }
 	void block(const void* data, std::size_t bytes)
 	{
 		number(bytes);
-		bytes_.append(static_cast<const char*>(data), bytes);
+		raw(data, bytes);
 	}
-	void               block(const std::string& text) { block(text.data(), text.size()); }
-	void               number(std::uint64_t value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
+	void block(const std::string& text) { block(text.data(), text.size()); }
+	/// Of plain items without padding.
+	template <class T> void array(const std::vector<T>& items)
+	{
+		number(items.size());
+		raw(items.data(), items.size() * sizeof(T));
+	}
 	const std::string& bytes() const { return bytes_; }
 
 private:
@@ -32,10 +39,16 @@ public:
 	explicit ByteReader(const std::string& bytes)
 	        : bytes_(bytes)
 	{}
+	void raw(void* data, std::size_t length)
+	{
+		require(length);
+		if (length > 0) std::memcpy(data, bytes_.data() + position_, length);
+		position_ += length;
+	}
 	std::uint64_t number()
 	{
 		std::uint64_t value;
-		copy(&value, sizeof value);
+		raw(&value, sizeof value);
 		return value;
 	}
 	std::string block()
@@ -56,7 +69,14 @@ public:
 	void block(void* data, std::size_t expected)
 	{
 		if (number() != expected) throw std::runtime_error("the saved state does not fit this scene: its settings or points have changed");
-		copy(data, expected);
+		raw(data, expected);
+	}
+	template <class T> void array(std::vector<T>& items)
+	{
+		const std::uint64_t count = number();
+		require(count > bytes_.size() ? count : count * sizeof(T));
+		items.resize(count);
+		raw(items.data(), count * sizeof(T));
 	}
 
 	bool atEnd() const { return position_ == bytes_.size(); }
@@ -64,13 +84,7 @@ public:
 private:
 	void require(std::size_t length) const
 	{
-		if (position_ + length > bytes_.size()) throw std::runtime_error("the saved state is truncated");
-	}
-	void copy(void* data, std::size_t length)
-	{
-		require(length);
-		std::memcpy(data, bytes_.data() + position_, length);
-		position_ += length;
+		if (length > bytes_.size() - position_) throw std::runtime_error("the saved state is truncated");
 	}
 	const std::string& bytes_;
 	std::size_t        position_ = 0;

@@ -90,16 +90,21 @@ private:
 	const Curve& curve() const { return static_cast<const Curve&>(*this); }
 };
 
-/// S_e = exp(-(theta/W)^2), theta = T_f - T (McKenzie et al. 2007).
-struct GaussCurve : CurveOfUndercooling<GaussCurve> {
-	static const char*     name() { return "gauss"; }
-	static CurveParameters parameters() { return withBase({ { "width", 0.5 } }); }
-	explicit GaussCurve(const CurveParameters& given)
-	        : CurveOfUndercooling(given)
-	        , width(undercooling(given, "width"))
+/// Those of one width.
+template <class Curve> struct CurveOfWidth : CurveOfUndercooling<Curve> {
+	static CurveParameters parameters() { return CurveBase::withBase({ { "width", 0.5 } }); }
+	explicit CurveOfWidth(const CurveParameters& given)
+	        : CurveOfUndercooling<Curve>(given)
+	        , width(CurveBase::undercooling(given, "width"))
 	{}
 
 	double width; ///< W [K]: S_e = 1/e at that undercooling, usually 0.1 to 1
+};
+
+/// S_e = exp(-(theta/W)^2), theta = T_f - T (McKenzie et al. 2007).
+struct GaussCurve : CurveOfWidth<GaussCurve> {
+	static const char* name() { return "gauss"; }
+	using CurveOfWidth::CurveOfWidth;
 
 	double fraction(double theta) const
 	{
@@ -110,15 +115,9 @@ struct GaussCurve : CurveOfUndercooling<GaussCurve> {
 };
 
 /// S_e = exp(-theta/W).
-struct ExponentialCurve : CurveOfUndercooling<ExponentialCurve> {
-	static const char*     name() { return "exponential"; }
-	static CurveParameters parameters() { return withBase({ { "width", 0.5 } }); }
-	explicit ExponentialCurve(const CurveParameters& given)
-	        : CurveOfUndercooling(given)
-	        , width(undercooling(given, "width"))
-	{}
-
-	double width; ///< W [K]: S_e = 1/e at that undercooling, usually 0.1 to 1
+struct ExponentialCurve : CurveOfWidth<ExponentialCurve> {
+	static const char* name() { return "exponential"; }
+	using CurveOfWidth::CurveOfWidth;
 
 	double fraction(double theta) const { return talik::exponential(-theta / width); }
 	double slope(double theta) const { return (1.0 - residualSaturation) * fraction(theta) / width; }

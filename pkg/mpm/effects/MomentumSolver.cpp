@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/mpm/effects/MomentumSolver.hpp>
+#include <pkg/mpm/front/ThawFront.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,6 @@
 #include <pkg/mpm/boundary/Boundary.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/front/ThawFront.hpp>
 #include <pkg/mpm/points/ActiveRange.hpp>
 #include <pkg/mpm/StepContext.hpp>
 
@@ -12,6 +11,8 @@
 #include <vector>
 
 namespace talik {
+
+template <int D> class ThawFront;
 
 struct PhaseAccelerations {
 	double solid, liquid; ///< [m/s^2]

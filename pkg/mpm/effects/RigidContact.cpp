@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <pkg/base/Errors.hpp>
 #include <pkg/mpm/effects/RigidContact.hpp>
+#include <pkg/mpm/front/ThawFront.hpp>
 
 #include <algorithm>
 #include <cmath>

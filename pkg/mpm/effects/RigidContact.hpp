@@ -2,7 +2,6 @@
 #pragma once
 #include <pkg/mpm/effects/FreeSurface.hpp>
 #include <pkg/mpm/effects/SolidMotion.hpp>
-#include <pkg/mpm/front/ThawFront.hpp>
 #include <pkg/mpm/grid/ShapeFunctions.hpp>
 #include <pkg/mpm/grid/Vector.hpp>
 #include <pkg/mpm/StepContext.hpp>
@@ -10,6 +9,8 @@
 #include <vector>
 
 namespace talik {
+
+template <int D> class ThawFront;
 
 /// Angular velocity or torque: about z in 2-D, a vector in 3-D.
 template <int D> using Spin = Vec<D == 2 ? 1 : 3>;

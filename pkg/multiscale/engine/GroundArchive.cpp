@@ -11,7 +11,7 @@
 namespace yade {
 
 namespace {
-	const char archiveMagic[] = "talik ground 6", besideMagic[] = "talik ground 6 beside", besideMark[] = "beside ";
+	const char archiveMagic[] = "talik ground 7", besideMagic[] = "talik ground 7 beside", besideMark[] = "beside ";
 
 	string namesOf(const vector<talik::StateArray>& arrays)
 	{
@@ -59,8 +59,7 @@ void MpmEngine::preSave(MpmEngine&)
 		writer.block(array.name);
 		writer.block(array.data, array.bytes);
 	}
-	const auto& events = ground->endedEvents();
-	writer.block(string(reinterpret_cast<const char*>(events.data()), events.size() * sizeof(talik::MotionEvent)));
+	writer.array(ground->endedEvents());
 	for (const auto& law : activeSkeletons())
 		writer.block(law->saved(beside));
 	saved = beside ? besideMark + std::to_string(beside->add(writer.bytes())) + " " + std::to_string(writer.bytes().size())
@@ -103,11 +102,8 @@ void MpmEngine::restoreSavedState()
 		placeOfPoints = parts.at + reader.number();
 	}
 	restoreArrays(reader, beside ? ground->commonState() : ground->state());
-	const string events = reader.block();
-	if (events.size() % sizeof(talik::MotionEvent) != 0)
-		throw std::runtime_error("MpmEngine: the saved events are damaged; go on from another checkpoint.");
-	vector<talik::MotionEvent> ended(events.size() / sizeof(talik::MotionEvent));
-	std::copy_n(events.data(), events.size(), reinterpret_cast<char*>(ended.data()));
+	vector<talik::MotionEvent> ended;
+	reader.array(ended);
 	ground->setEndedEvents(ended);
 	if (beside) ground->readPoints(*parts.file, placeOfPoints);
 	else ground->stateRestored();

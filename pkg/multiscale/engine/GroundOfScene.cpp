@@ -135,17 +135,11 @@ namespace {
 
 		py::dict balance() const override
 		{
-			const auto b       = inside.balance();
-			const auto tupleOf = [](const talik::Vec<D>& v) {
-				py::list components;
-				for (const double c : v)
-					components.append(c);
-				return py::tuple(components);
-			};
-			py::dict d;
+			const auto b = inside.balance();
+			py::dict   d;
 			TALIK_PUT_MEMBERS(d, b, (time)(solidMass)(waterMass)(iceMass)(waterOut))
-			d["momentum"] = tupleOf(b.momentum);
-			d["impulse"]  = tupleOf(b.impulse);
+			d["momentum"] = py::tuple(talik::listOf(b.momentum));
+			d["impulse"]  = py::tuple(talik::listOf(b.impulse));
 			TALIK_PUT_MEMBERS(d, b, (enthalpy)(heatIn)(enthalpyOut)(kineticEnergy)(gravityEnergy)(skeletonWork)(porePressureWork))
 			if (inside.settings().water) d["waterEnergyOut"] = b.waterEnergyOut;
 			TALIK_PUT_MEMBERS(d, b, (dragDissipation)(dampingDissipation)(loadWork)(slipWork)(wallWork))

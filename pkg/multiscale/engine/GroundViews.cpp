@@ -47,13 +47,7 @@ vector<string> MpmEngine::existingFields()
 	return names;
 }
 
-py::list MpmEngine::fieldNames()
-{
-	py::list names;
-	for (const auto& name : existingFields())
-		names.append(name);
-	return names;
-}
+py::list MpmEngine::fieldNames() { return talik::listOf(existingFields()); }
 
 py::list MpmEngine::fields()
 {

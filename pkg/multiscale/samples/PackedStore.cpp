@@ -2,7 +2,6 @@
 #include <pkg/multiscale/samples/PackedStore.hpp>
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
 
 namespace talik {
@@ -17,15 +16,6 @@ namespace {
 				return;
 			}
 		known.push_back(state.grains);
-	}
-
-	template <class T> void saveArray(ByteWriter& writer, const std::vector<T>& array) { writer.block(array.data(), array.size() * sizeof(T)); }
-
-	template <class T> void restoreArray(ByteReader& reader, std::vector<T>& array)
-	{
-		const std::string bytes = reader.block();
-		array.resize(bytes.size() / sizeof(T));
-		if (!array.empty()) std::memcpy(static_cast<void*>(array.data()), bytes.data(), array.size() * sizeof(T));
 	}
 
 	template <int Dim> bool belongTogether(const PackedLists<Dim>& lists, std::size_t grains)
@@ -113,10 +103,10 @@ template <int Dim> void PackedStore<Dim>::saveState(ByteWriter& writer, std::siz
 	if (!listed) return;
 	writer.block(static_cast<const PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
 	writer.number(lists.inside);
-	saveArray(writer, lists.slack);
-	saveArray(writer, lists.first);
-	saveArray(writer, lists.second);
-	saveArray(writer, lists.cellDist);
+	writer.array(lists.slack);
+	writer.array(lists.first);
+	writer.array(lists.second);
+	writer.array(lists.cellDist);
 }
 
 template <int Dim> void PackedStore<Dim>::restoreState(ByteReader& reader, const std::vector<std::size_t>& samples)
@@ -128,10 +118,10 @@ template <int Dim> void PackedStore<Dim>::restoreState(ByteReader& reader, const
 		PackedLists<Dim> lists;
 		reader.block(static_cast<PackedListUse<Dim>*>(&lists), sizeof(PackedListUse<Dim>));
 		lists.inside = reader.number();
-		restoreArray(reader, lists.slack);
-		restoreArray(reader, lists.first);
-		restoreArray(reader, lists.second);
-		restoreArray(reader, lists.cellDist);
+		reader.array(lists.slack);
+		reader.array(lists.first);
+		reader.array(lists.second);
+		reader.array(lists.cellDist);
 		if (!belongTogether(lists, state.size())) throw std::runtime_error("the archive's neighbour lists do not belong to its samples; it is damaged");
 		compact = std::make_shared<CompactSample<Dim>>(state, &lists);
 	} else compact = std::make_shared<CompactSample<Dim>>(state);

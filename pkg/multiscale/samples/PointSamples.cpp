@@ -7,7 +7,7 @@
 
 namespace talik {
 namespace {
-	const char archiveMagic[] = "talik samples 6";
+	const char archiveMagic[] = "talik samples 7";
 
 	/// Saturation tolerance over that of the error: the modulus grows sixfold on freezing, in part without effect on stress.
 	constexpr double saturationShare = 1. / 3;
@@ -93,9 +93,7 @@ std::string PointSamples::save(const SampleStore::Layout& layout) const
 	ByteWriter writer;
 	writer.block(archiveMagic);
 	layout.save(writer);
-	writer.number(sampleOf.size());
-	for (const int s : sampleOf)
-		writer.number(std::uint64_t(s + 1));
+	writer.array(sampleOf);
 	writer.number(count.calls);
 	writer.number(count.steps);
 	writer.number(failures.size());
@@ -117,9 +115,7 @@ void PointSamples::restore(const std::string& bytes, const std::function<std::st
 		throw std::runtime_error(
 		        "RveSkeleton: the saved samples are not those of this version of Talik: continue them with the version that saved them.");
 	const auto layout = SampleStore::Layout::from(reader);
-	sampleOf.assign(reader.number(), -1);
-	for (int& s : sampleOf)
-		s = int(reader.number()) - 1;
+	reader.array(sampleOf);
 	beginWithOwners(); // states are restored when it is known who has which
 	anyStore->restore(layout, states);
 	restoreBooks(reader);

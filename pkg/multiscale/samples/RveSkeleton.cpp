@@ -395,13 +395,7 @@ void RveSkeleton::replaceScene(int id, const shared_ptr<Scene>& scene)
 
 vector<string> RveSkeleton::measures() const { return talik::sampleMeasures(); }
 
-py::list RveSkeleton::pyMeasures() const
-{
-	py::list names;
-	for (const auto& name : measures())
-		names.append(name);
-	return names;
-}
+py::list RveSkeleton::pyMeasures() const { return talik::listOf(measures()); }
 
 vector<Real> RveSkeleton::valueAt(const string& name, int id) const
 {

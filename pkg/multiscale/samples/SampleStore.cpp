@@ -92,15 +92,15 @@ std::vector<std::size_t> SampleStore::Layout::firstOf() const
 
 void SampleStore::Layout::save(ByteWriter& writer) const
 {
-	writer.block(stateOf.data(), stateOf.size() * sizeof(std::uint64_t));
-	writer.block(lengths.data(), lengths.size() * sizeof(std::uint64_t));
+	writer.array(stateOf);
+	writer.array(lengths);
 }
 
 SampleStore::Layout SampleStore::Layout::from(ByteReader& reader)
 {
 	Layout layout;
-	for (auto* numbers : { &layout.stateOf, &layout.lengths })
-		*numbers = valuesIn<std::uint64_t>(reader.block());
+	reader.array(layout.stateOf);
+	reader.array(layout.lengths);
 	return layout;
 }
 

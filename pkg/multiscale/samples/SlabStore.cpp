@@ -2,7 +2,6 @@
 #include <pkg/multiscale/samples/SlabStore.hpp>
 
 #include <algorithm>
-#include <cstring>
 #include <numeric>
 #include <utility>
 
@@ -127,7 +126,7 @@ template <int Dim> void SlabStore<Dim>::send(const std::vector<int>& next)
 	for (const auto& byOrigin : states) {
 		ByteWriter parcel;
 		for (const auto& [origin, samples] : byOrigin) {
-			parcel.block(samples.data(), samples.size() * sizeof(std::size_t));
+			parcel.array(samples);
 			parcel.number(origin);
 			for (const auto sample : samples)
 				parcel.block(&known[sample].cost, sizeof(double));
@@ -148,9 +147,8 @@ template <int Dim> void SlabStore<Dim>::send(const std::vector<int>& next)
 
 template <int Dim> void SlabStore<Dim>::receive(ByteReader& parcel)
 {
-	const std::string        numbers = parcel.block();
-	std::vector<std::size_t> samples(numbers.size() / sizeof(std::size_t));
-	std::memcpy(samples.data(), numbers.data(), numbers.size());
+	std::vector<std::size_t> samples;
+	parcel.array(samples);
 	const std::uint64_t origin = parcel.number();
 	for (const auto sample : samples) {
 		known[sample] = Known { false, origin, 0 };

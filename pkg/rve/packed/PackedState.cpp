@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <cmath>
 #include <cstring>
+#include <pkg/base/SavedBytes.hpp>
 #include <pkg/icebond/BondTable.hpp>
 #include <pkg/rve/packed/PackedState.hpp>
 #include <stdexcept>
@@ -11,68 +12,27 @@ namespace {
 
 	constexpr char formatName[8] = { 'T', 'A', 'L', 'I', 'K', 'P', 'S', '5' };
 
-	class Writer {
-	public:
-		template <class T> void value(const T& item)
-		{
-			static_assert(std::is_arithmetic<T>::value || std::is_enum<T>::value, "written member by member, so that no padding enters");
-			bytes.append(reinterpret_cast<const char*>(&item), sizeof(T));
-		}
-		template <class T> void array(const std::vector<T>& items)
-		{
-			value(std::uint64_t(items.size()));
-			bytes.append(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T));
-		}
-		template <class M> void matrix(const M& m) { bytes.append(reinterpret_cast<const char*>(m.data()), sizeof(double) * std::size_t(m.size())); }
-		std::string             bytes;
-	};
-
-	class Reader {
-	public:
-		explicit Reader(const std::string& from)
-		        : bytes(from)
-		{}
-		template <class T> void value(T& item)
-		{
-			T read;
-			take(&read, sizeof(T));
-			item = read;
-		}
-		template <class T> void array(std::vector<T>& items)
-		{
-			std::uint64_t count = 0;
-			value(count);
-			if (count > (bytes.size() - at) / sizeof(T)) throw std::runtime_error("packed sample: the saved bytes are cut short; save again");
-			items.resize(count);
-			take(items.data(), count * sizeof(T));
-		}
-		template <class M> void matrix(M& m) { take(m.data(), sizeof(double) * std::size_t(m.size())); }
-		bool                    finished() const { return at == bytes.size(); }
-		void                    take(void* target, std::size_t count)
-		{
-			if (count > bytes.size() - at) throw std::runtime_error("packed sample: the saved bytes are cut short; save again");
-			if (count > 0) std::memcpy(target, bytes.data() + at, count);
-			at += count;
-		}
-
-	private:
-		const std::string& bytes;
-		std::size_t        at = 0;
-	};
+	template <class T> void number(ByteWriter& writer, const T& item) { writer.raw(&item, sizeof(T)); }
+	template <class T> void number(ByteReader& reader, T& item)
+	{
+		T read;
+		reader.raw(&read, sizeof(T));
+		item = read;
+	}
 
 	/// One list of members for writing and reading, so that they cannot diverge.
 	template <class Stream, class State, class Grains> void streamAll(Stream& stream, State& s, Grains& g)
 	{
 		for (auto* m : { &s.hSize, &s.prevHSize, &s.velGrad, &s.prevVelGrad, &s.nextVelGrad, &s.trsf, &s.stress })
-			stream.matrix(*m);
+			stream.raw(m->data(), sizeof(*m));
 		for (auto* v : { &s.dt, &s.damping, &s.thickness, &s.friction, &s.stiffnessRatio, &s.density, &s.iceSaturation, &s.radiusFactor,
 		                 &s.thawStrain.thawStrain, &s.thawStrain.frozenSaturation, &s.cellSlipStrain, &s.cellSlipStress, &s.ice.young,
 		                 &g.rolling.alphaKr, &g.rolling.etaRoll, &g.section.radiusFactor, &g.section.contribution, &g.hertz.modulus })
-			stream.value(*v);
+			number(stream, *v);
 		for (const BondParameter& parameter : bondParameters)
-			stream.value(s.ice.*parameter.value);
+			number(stream, s.ice.*parameter.value);
 		for (auto* v : { &s.step, &s.bondsFormed, &s.bondsBrokenInTension, &s.bondsBrokenInShear, &s.bondsMelted, &s.cellSlips })
-			stream.value(*v);
+			number(stream, *v);
 		auto&      c      = s.contacts;
 		const auto arrays = [&](auto&... all) { (stream.array(all), ...); };
 		arrays(g.radius, g.mass, g.inertia, g.id, s.position, s.velocity, s.angularVelocity, s.orientation);
@@ -176,38 +136,39 @@ template <int Dim> void PackedState<Dim>::check() const
 template <int Dim> std::string PackedState<Dim>::toBytes() const
 {
 	check();
-	Writer writer;
-	writer.bytes.append(formatName, sizeof(formatName));
-	writer.value(std::int32_t(Dim));
+	ByteWriter         writer;
+	const std::int32_t dimension = Dim;
+	writer.raw(formatName, sizeof(formatName));
+	number(writer, dimension);
 	streamAll(writer, *this, *grains);
-	return std::move(writer.bytes);
+	return writer.bytes();
 }
 
-static std::int32_t takeDimension(Reader& reader)
+static std::int32_t takeDimension(ByteReader& reader)
 {
 	char         name[sizeof(formatName)];
 	std::int32_t dimension = 0;
-	reader.take(name, sizeof(name));
+	reader.raw(name, sizeof(name));
 	if (std::memcmp(name, formatName, sizeof(name)) != 0) throw std::runtime_error("packed sample: these bytes are not a packed sample of this version");
-	reader.value(dimension);
+	number(reader, dimension);
 	return dimension;
 }
 
 int packedDimension(const std::string& bytes)
 {
-	Reader reader(bytes);
+	ByteReader reader(bytes);
 	return takeDimension(reader);
 }
 
 template <int Dim> PackedState<Dim> PackedState<Dim>::fromBytes(const std::string& bytes)
 {
-	Reader     reader(bytes);
+	ByteReader reader(bytes);
 	const auto dimension = takeDimension(reader);
 	if (dimension != Dim) throw std::runtime_error("packed sample: saved with dimension " + std::to_string(dimension) + ", wanted " + std::to_string(Dim));
 	PackedState state;
 	auto        grains = std::make_shared<PackedGrains>();
 	streamAll(reader, state, *grains);
-	if (!reader.finished()) throw std::runtime_error("packed sample: the saved bytes are longer than a sample; save again");
+	if (!reader.atEnd()) throw std::runtime_error("packed sample: the saved bytes are longer than a sample; save again");
 	state.grains = std::move(grains);
 	state.check();
 	return state;
