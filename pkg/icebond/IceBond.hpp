@@ -57,6 +57,13 @@ struct IceBondModel {
 	bool formsBonds(double before, double after) const { return before < bondSaturation && after >= bondSaturation; }
 };
 
+/// eq. (8): equivalent radius over r_0 of a grain with its pore ice; n0 is the porosity of the sample, volumetric strain
+/// positive in extension, Dim 2 (discs) or 3 (spheres).
+inline double equivalentRadiusRatio(double n0, double volumetricStrain, double iceSaturation, int dim)
+{
+	return std::pow((1. - n0 + (n0 + volumetricStrain) * iceSaturation) / (1. - n0), 1. / dim);
+}
+
 /// Stiffness against rotation of one bond [N m].
 struct MomentStiffness {
 	double bending, twisting;

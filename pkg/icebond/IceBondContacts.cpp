@@ -56,7 +56,8 @@ void IceBondMat::postLoad(IceBondMat&)
 	const auto bonds = model();
 	for (const auto& parameter : talik::bondParameters)
 		require(parameter.isValid(bonds), parameter.name, bonds.*parameter.value, parameter.remedy());
-	require(radiusRatio > 0, "radiusRatio", radiusRatio, "it is a positive ratio that RveSample.open sets; leave it out.");
+	require(radiusRatio > 0, "radiusRatio", radiusRatio, "it is a positive ratio that GrainSwelling sets; leave it out.");
+	require(radiusRatioBefore > 0, "radiusRatioBefore", radiusRatioBefore, "it is a positive ratio that GrainSwelling sets; leave it out.");
 	numberBonds();
 }
 
@@ -75,6 +76,17 @@ const talik::IceBondModel& IceBondPhys::bonds(const IceBondMat& first, const Ice
 	if (!mixture || !first.agree(*mixture, second)) mixture = first.mixedWith(second);
 	return mixture->model;
 }
+
+namespace {
+	/// Grains that touch because they have grown in this step do so free of force.
+	Real overlapFromSwelling(const IceBondMat& a, const IceBondMat& b, const IGeom& geom)
+	{
+		const auto* contact = dynamic_cast<const ScGeom*>(&geom);
+		if (!contact) return 0;
+		const Real growth = a.growth(contact->refR1) + b.growth(contact->refR2);
+		return std::min(std::max(contact->penetrationDepth, 0.), growth);
+	}
+} // namespace
 
 std::pair<Real, Real> stiffnessRadii(const GenericSpheresContact& geom, const IceBondMat& first, const IceBondMat& second)
 {
@@ -109,6 +121,7 @@ void Ip2_IceBondMat_IceBondMat_IceBondPhys::go(const shared_ptr<Material>& m1, c
 	phys->bondArea                     = bonds.bondAreaFactor * std::pow(std::min(r1, r2), 2);
 	phys->gapLimit                     = bonds.bondRange * std::min(r1, r2);
 	phys->bondNow                      = bondNewContacts;
+	phys->uRef                         = overlapFromSwelling(a, b, *interaction->geom);
 	interaction->phys                  = phys;
 }
 
@@ -123,10 +136,14 @@ ContactStiffness Law2_ScGeom_IceBondPhys_IceBond::stiffness(const Contact& c, do
 	return c.phys.stiffness(c.model.iceStiffnessRatio(iceSaturation));
 }
 
+/// Without its bond a contact cannot push across a gap that shrinking grains have left, see GrainSwelling.
 void Law2_ScGeom_IceBondPhys_IceBond::meltBond(Contact& c)
 {
 	c.bond.melt(c.phys.shearForce, c.phys.iceShear);
 	c.phys.keepBondMoment(0);
+	if (c.phys.uRef >= 0) return;
+	c.phys.uRef = 0;
+	c.un        = c.geom.penetrationDepth;
 }
 
 void Law2_ScGeom_IceBondPhys_IceBond::formOrMelt(Contact& c, double iceSaturation)
@@ -221,7 +238,7 @@ bool Law2_ScGeom_IceBondPhys_IceBond::go(shared_ptr<IGeom>& ig, shared_ptr<IPhys
 	const auto&  a             = static_cast<const IceBondMat&>(*(*scene->bodies)[interaction->id1]->material);
 	const auto&  b             = static_cast<const IceBondMat&>(*(*scene->bodies)[interaction->id2]->material);
 	const double iceSaturation = std::min(a.iceSaturation, b.iceSaturation); // the grain with less ice decides
-	Contact      c { geom, phys, phys.bonds(a, b), phys.bond(), geom.penetrationDepth, *interaction };
+	Contact      c { geom, phys, phys.bonds(a, b), phys.bond(), geom.penetrationDepth - phys.uRef, *interaction };
 
 	takeUpIceSaturation(c, iceSaturation);
 	if (c.un < 0 && c.bond.state != BondState::BONDED) return stayOpen(c);

@@ -34,6 +34,8 @@ public:
 	/// A new contact with a grain of another material, without its parameters of force; r1, r2: radii [m], shearStiffness: k_s without ice [N/m], of
 	/// Hertz's grains over 1.5 sqrt(u_n).
 	virtual shared_ptr<IceBondPhys> newContact(const IceBondMat& other, Real r1, Real r2, Real shearStiffness) const;
+	/// What a grain of this radius has grown in this step [m], 0 if it shrank.
+	Real growth(Real radius) const { return radius * std::max(1 - radiusRatioBefore / radiusRatio, 0.); }
 
 private:
 	void                        numberBonds();
@@ -52,8 +54,8 @@ public:
 				"u_n^1.5 and k_s = 8 G* sqrt(R* u_n). The ice keeps its linear springs. Contacts with grains of a material without it have linear ones. False: "
 				"linear springs."))
 		TALIK_BOND_PARAMETERS(TALIK_BOND_ATTRIBUTE)
-		((Real,radiusRatio,1,Attr::readonly,"Radius of these grains over the one that stiffness and bonds are counted with [-]: 1, less in a scene "
-				"opened from a sample whose grains have shrunk (RveSample.thawStrain).")),
+		((Real,radiusRatio,1,Attr::readonly,"Radius of these grains over the one that stiffness and bonds are counted with [-]; set by GrainSwelling."))
+		((Real,radiusRatioBefore,1,Attr::hidden,"radiusRatio of the step before.")),
 		createIndex();
 	);
 	// clang-format on
@@ -100,6 +102,7 @@ public:
 		((Real,gapLimit,0,,"Largest gap that is bonded [m]."))
 		((Real,uGrain,0,,"Overlap at which the grain spring of an intact bond is free [m]."))
 		((Real,uIce,0,,"Overlap at which the ice spring is free [m]."))
+		((Real,uRef,0,,"Part of the geometric overlap that stems from swollen radii and carries no force [m], see GrainSwelling."))
 		((Vector3r,iceShear,Vector3r::Zero(),,"Part of the shear force carried by ice [N]."))
 		((bool,iceCut,false,,"The ice of a broken bond has opened and carries nothing."))
 		((bool,bondNow,false,,"Form a stress-free bond at the next evaluation (set by Ip2_IceBondMat_IceBondMat_IceBondPhys.bondNewContacts).")),

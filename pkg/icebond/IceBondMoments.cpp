@@ -42,7 +42,7 @@ void RollingIceBondPhys::addMoments(const ScGeom& geom, const Interaction& inter
 {
 	const Vector3r spin      = spinBetween(interaction, scene);
 	const Vector3r bending   = spin - geom.normal.dot(spin) * geom.normal;
-	const Real     stiffness = kno > 0 ? 1.5 * kr * std::sqrt(std::max(geom.penetrationDepth, 0.)) : kr;
+	const Real     stiffness = kno > 0 ? 1.5 * kr * std::sqrt(std::max(geom.penetrationDepth - uRef, 0.)) : kr;
 	geom.rotate(moment_bending);
 	moment_bending = talik::HWY_NAMESPACE::rollingMoment(maxRollPl, normalForce.dot(geom.normal), moment_bending, Vector3r(stiffness * scene.dt * bending));
 	scene.forces.addTorque(interaction.id1, -moment_bending);

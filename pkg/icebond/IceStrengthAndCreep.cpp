@@ -83,7 +83,7 @@ void stiffenContact(yade::Interaction& contact, double overlap, double factor)
 	auto* phys = dynamic_cast<yade::IceBondPhys*>(contact.phys.get());
 	if (!phys || phys->bondNow) return;
 	IceBond bond = phys->bond();
-	bond.stiffenIce(factor, overlap);
+	bond.stiffenIce(factor, overlap - phys->uRef);
 	phys->setBond(bond);
 }
 
@@ -105,7 +105,7 @@ void relaxContact(const yade::Scene& scene, yade::Interaction& contact, double o
 	c.young             = (phys->kno > 0 ? c.stiffness.ice() : phys->kn) / (2 * r1 * r2 / (r1 + r2));
 	c.area              = phys->bondArea;
 	c.friction          = phys->tangensOfFrictionAngle;
-	c.overlap           = overlap;
+	c.overlap           = overlap - phys->uRef;
 	relaxIce(bond, creep, c, phys->shearForce, phys->iceShear);
 	phys->setBond(bond);
 }

@@ -19,7 +19,7 @@ namespace talik {
 	((Real, segregationPotential, NaN,,"SP_0 [m^2/(s K)], 0 or 1e-13 to 1e-6: water that the front draws over the gradient of temperature in the " \
 		"frozen ground behind it, without load. Frost-susceptible silts have 1e-10 to 4e-9; 1 mm^2/(s K) is 1e-6. NaN: computed, an upper " \
 		"bound: each lens lies where it draws most. With little load that is at -0.03 degC, where the fringe has hardly any ice, and tests heave " \
-		"two to three times less, with any impedance.")) \
+		"two to four times less, with any impedance.")) \
 	((Real, pressureDecay, 0,,"a of SP = SP_0 exp(-a P), P the effective stress normal to the front, to which suction of the water before it adds " \
 		"[1/Pa], 0 to 1e-3; soils have 1e-6 to 1e-5 (Konrad and Morgenstern 1982). Only with segregationPotential."))
 // clang-format on

@@ -26,7 +26,7 @@ sections = (
 		"From strain to effective stress: laws, and samples of grains.",
 		("SkeletonLaw", "IceStrength", "IceCreep", "RveSample", "OpenRveSample"),
 	),
-	("grains", "Grains with ice bonds", "For any scene of YADE, and for samples.", ("IceBondMat", "IceBondPhys", "Functor", "CreepingBonds")),
+	("grains", "Grains with ice bonds", "For any scene of YADE, and for samples.", ("IceBondMat", "IceBondPhys", "Functor", "GrainSwelling", "CreepingBonds")),
 	("scene", "Bodies, histories, checkpoints", "What stands beside the ground in a scene.", ("BodyContact", "PointWatch", "Checkpoint", "GlGround")),
 )
 

@@ -117,7 +117,7 @@ def _ofMotion(motion, discs):
 def _ofEngines(engines):
 	for engine in engines:
 		name = type(engine).__name__
-		if not (engine.dead or name in covered):
+		if not (engine.dead or name in covered or (name == "GrainSwelling" and engine.radiusRule == "bookkeeping")):
 			return f"it has a {name}"
 	return ""
 
@@ -227,6 +227,8 @@ def _ofMoments(phys, material):
 
 
 def _ofBond(bond, material):
+	if bond.uRef != 0:
+		return "has a reference overlap"
 	if bond.iceSaturation != material.iceSaturation or bond.bondNow:
 		return "has not taken up the ice saturation of the material yet (do a step first)"
 	return ""

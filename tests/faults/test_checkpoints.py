@@ -235,7 +235,7 @@ def test_another_version_is_read_where_it_can_be_and_named_where_it_cannot(check
 	sentence = refusal(other)
 	print(sentence)
 	assert "MpmEngine" in sentence and "other attributes" in sentence
-	changed(digestOf(b"CreepingBonds"), b"class CreepingBonds 00000000")  # not in this scene
+	changed(digestOf(b"GrainSwelling"), b"class GrainSwelling 00000000")  # not in this scene
 	assert talik.resume(other).time > 0
 
 

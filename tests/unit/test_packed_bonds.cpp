@@ -149,7 +149,12 @@ TEST(PackedBond, saturationTablesFollowThePublishedFormulas)
 	EXPECT_NEAR(m.tensileStrengthAt(0.5), 22.875e6, 1e-6);
 	EXPECT_NEAR(m.youngAt(0.8), 3.2112e9, 1e-3);
 	EXPECT_NEAR(m.shearStrengthAt(0.8), 44.52e6, 1e-6);
-	std::printf("phi(0.5) = %.15g (0.4375), E = %.9g Pa, C = %.9g Pa\n", m.phi(0.5), m.youngAt(0.5), m.tensileStrengthAt(0.5));
+	EXPECT_NEAR(equivalentRadiusRatio(0.18, 0, 1, 2), 1.104315261, 1e-9);
+	EXPECT_NEAR(equivalentRadiusRatio(0.18, 0, 1, 3), 1.068387297, 1e-9);
+	EXPECT_NEAR(equivalentRadiusRatio(0.4, -0.02, 0.5, 2), 1.147460965, 1e-9);
+	std::printf(
+	        "phi(0.5) = %.15g (0.4375), E = %.9g Pa, C = %.9g Pa, r/r_0 at S_i = 1, n_0 = 0.18: %.9f (1.104315261)\n", m.phi(0.5), m.youngAt(0.5),
+	        m.tensileStrengthAt(0.5), equivalentRadiusRatio(0.18, 0, 1, 2));
 }
 
 namespace {

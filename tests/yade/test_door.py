@@ -75,6 +75,7 @@ print("UNTOUCHED", (O.sceneToString(), O.iter, O.time, len(O.bodies), [i.phys.no
 def test_all_classes_are_registered_and_part_of_yades_families():
 	wanted = {
 		"MpmEngine": "GlobalEngine",
+		"GrainSwelling": "GlobalEngine",
 		"CreepingBonds": "GlobalEngine",
 		"RveSample": "GlobalEngine",
 		"IceBondMat": "FrictMat",
@@ -407,6 +408,7 @@ def test_a_bonded_scene_survives_saving(how, tmp_path):
 	O.bodies.append([utils.sphere((0, 0, 0), 1e-2), utils.sphere((1.9999e-2, 0, 0), 1e-2)])
 	O.engines = [
 		wrapper.ForceResetter(),
+		wrapper.GrainSwelling(porosity=0.2, radiusRule="referenceOverlap"),
 		wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()], verletDist=0),
 		wrapper.InteractionLoop(
 			[wrapper.Ig2_Sphere_Sphere_ScGeom()],
@@ -421,12 +423,12 @@ def test_a_bonded_scene_survives_saving(how, tmp_path):
 	O.run(5, True)
 
 	def everything():
-		loop = O.engines[2]
-		parts = [O.materials[0], loop.physDispatcher.functors[0], loop.lawDispatcher.functors[0], O.interactions[0, 1].phys]
+		loop = O.engines[3]
+		parts = [O.materials[0], O.engines[1], loop.physDispatcher.functors[0], loop.lawDispatcher.functors[0], O.interactions[0, 1].phys]
 		return [attributes(part) for part in parts] + [{"pos": b.state.pos, "vel": b.state.vel} for b in O.bodies]
 
 	before = everything()
-	assert before[3]["bondState"] == 1 and before[0]["iceSaturation"] == 0.6
+	assert before[4]["bondState"] == 1 and before[0]["iceSaturation"] == 0.6
 	saveAndLoad(how, tmp_path)
 	after = everything()
 	for b, a in zip(before, after):

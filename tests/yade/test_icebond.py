@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from yade import O, utils, wrapper
+from yade import Matrix3, O, utils, wrapper
 
 import talik
 
@@ -496,6 +496,164 @@ def test_help_of_every_bond_parameter_gives_its_unit_its_range_and_how_two_mater
 def test_impossible_ice_is_refused_by_name(attribute, value):
 	with pytest.raises(ValueError, match=f"IceBondMat.{attribute} is"):
 		wrapper.IceBondMat(**{attribute: value})
+
+
+# --- eq. (8) ---------------------------------------------------------------------------------------------------------------
+
+
+def swollen(pair, **attributes):
+	engine = wrapper.GrainSwelling(**attributes)
+	O.engines = [engine] + O.engines
+	O.step()
+	return engine
+
+
+@pytest.mark.parametrize("dimension, table", [(2, {0.18: 1.104315261, 0.4: 1.290994449}), (3, {0.18: 1.068387297, 0.4: 1.185631101})])  # closed form
+def test_equivalent_radius_follows_eq_8(dimension, table):
+	worst = 0
+	for n0, full in table.items():
+		for strain in (-0.02, 0.0, 0.02):
+			engine = wrapper.GrainSwelling(porosity=n0, volumetricStrain=strain, dimension=dimension)
+			for s in (0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0):
+				expected = ((1 - n0 + (n0 + strain) * s) / (1 - n0)) ** (1 / dimension)
+				worst = max(worst, relative(engine.equivalentRatio(s), expected))
+		assert relative(wrapper.GrainSwelling(porosity=n0, dimension=dimension).equivalentRatio(1), full) < 1e-9
+	print(f"\n{dimension}-D: largest relative difference {worst:.1e}")
+	assert worst < 1e-12
+
+
+def test_bookkeeping_reports_the_equivalent_radius_and_changes_nothing():
+	pair = Pair(overlap=1e-6)
+	engine = swollen(pair)
+	pair.freeze(1)
+	assert O.bodies[0].shape.radius == R and relative(pair.normal, 3.0) < tolerance
+	assert relative(engine.equivalentRadius[0], R / math.sqrt(0.82)) < 1e-12
+	pair.freeze(0)
+	assert list(engine.equivalentRadius) == [R, R]
+
+
+def test_swelling_with_a_reference_overlap_creates_no_force_and_leaves_no_trace():
+	forces = {}
+	for name in ("without", "with"):
+		O.reset()
+		pair = Pair(overlap=1e-6)
+		swollen(pair, radiusRule="referenceOverlap" if name == "with" else "bookkeeping")
+		forces[name] = []
+		for s in (0.3, 0.7, 1.0, 0.8):
+			forces[name].append(pair.freeze(s))
+			if name == "with":
+				assert relative(O.bodies[0].shape.radius / R, math.sqrt((0.82 + 0.18 * s) / 0.82)) < 1e-12
+			forces[name] += [pair.overlapTo(1.2e-6), pair.shearBy(1e-8), pair.overlapTo(0.9e-6)]
+		forces[name] += [pair.freeze(s) for s in (0.5, 0.1, 0.0)]
+	difference = np.abs(np.array(forces["with"]) - forces["without"]).max() / max(forces["without"])
+	print(f"\nradius to x {math.sqrt(1 / 0.82):.6f} and back: largest relative difference of forces {difference:.1e}, uRef {pair.contact.phys.uRef}")
+	assert difference < 1e-9  # overlaps of 1 um between centres 1 cm apart
+	assert O.bodies[0].shape.radius == R and O.bodies[1].shape.radius == R  # to the last bit
+	assert pair.contact.phys.uRef == 0 and O.materials[0].radiusRatio == 1
+
+
+def test_grains_that_swell_into_contact_touch_without_force_and_part_again():
+	pair = Pair(overlap=-0.05 * R, skipping=True)
+	talik._talik.runSerially(5)
+	swollen(pair, radiusRule="referenceOverlap")
+	talik._talik.runSerially(3)
+	assert pair.contact is None
+	pair.freeze(1)
+	assert pair.contact is not None and pair.contact.geom.penetrationDepth > 0.1 * R
+	assert pair.normal == 0 and pair.state == 0
+	# stiffness and later bonds are counted with r_0
+	assert relative(pair.contact.phys.grainStiffness, E0 * R) < 1e-12
+	assert relative(pair.overlapTo(-0.05 * R + 1e-6), E0 * R * 1e-6) < tolerance
+	# apart and back: pushes where it did before
+	assert pair.overlapTo(-0.05 * R - 1e-6) == 0 and pair.contact is not None
+	assert relative(pair.overlapTo(-0.05 * R + 1e-6), E0 * R * 1e-6) < tolerance
+	pair.freeze(0)
+	O.step()
+	assert pair.contact is None and O.bodies[0].shape.radius == R
+
+
+def test_mechanical_shrinkage_lowers_the_contact_force_as_the_closed_form():
+	thawStrain = 0.03
+	pair = Pair(overlap=2e-4, iceSaturation=1)
+	engine = swollen(pair, radiusRule="mechanical", thawStrain=thawStrain)
+	kg = E0 * R
+	assert relative(pair.normal, kg * 2e-4) < tolerance and O.bodies[0].shape.radius == R
+	worst = 0
+	for s in (0.9, 0.7, 0.5):
+		expected = kg * (2e-4 - 2 * R * (1 - math.sqrt(1 - thawStrain * (1 - s))))
+		worst = max(worst, abs(pair.freeze(s) - max(expected, 0)) / (kg * 2e-4))
+	print(f"\nthaw strain {thawStrain}: contact force {kg * 2e-4:g} N -> {pair.normal:.6f} N at S_i=0.5, relative difference {worst:.1e}")
+	assert worst < tolerance and pair.normal < 0.7 * kg * 2e-4
+	# refreezing gives no force, and thawing again returns to the same state
+	half = pair.normal
+	assert relative(pair.freeze(1), half) < 1e-9
+	assert relative(pair.freeze(0.5), half) < 1e-9
+	assert relative(engine.thawStrainReached, 0.5 * thawStrain) < 1e-12
+	assert relative(pair.freeze(0), kg * (2e-4 - 2 * R * (1 - math.sqrt(1 - thawStrain)))) < 1e-9
+
+
+@pytest.mark.parametrize("thawStrain", [0.0, 0.03, 0.18])
+def test_ground_settles_by_the_thaw_strain_asked_for(thawStrain):
+	"""Discs on a square lattice: with the cell smaller by the thaw strain they carry the former stress again."""
+	O.periodic = True
+	side, overlap = 0.04, 1e-5
+	spacing = side / 4
+	O.cell.hSize = Matrix3(side, 0, 0, 0, side, 0, 0, 0, 0.1)
+	material = wrapper.IceBondMat(young=E0, poisson=ratio, frictionAngle=0, density=2650, iceSaturation=1)
+	O.materials.append(material)
+	O.bodies.append([utils.sphere(((i + 0.5) * spacing, (j + 0.5) * spacing, 0.05), 0.5 * (spacing + overlap), fixed=True) for i in range(4) for j in range(4)])
+	engine = wrapper.GrainSwelling(porosity=0.18, radiusRule="mechanical", thawStrain=thawStrain)
+	O.engines = [
+		wrapper.ForceResetter(),
+		engine,
+		wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()], allowBiggerThanPeriod=True, verletDist=0),
+		wrapper.InteractionLoop(
+			[wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_IceBondMat_IceBondMat_IceBondPhys()], [wrapper.Law2_ScGeom_IceBondPhys_IceBond()]
+		),
+		wrapper.NewtonIntegrator(),
+	]
+	O.dt = 1.0
+	O.step()
+	before = utils.getStress()[0, 0]
+	material.iceSaturation = 0
+	O.step()
+	thawed = utils.getStress()[0, 0]
+	shrink = math.sqrt(1 - thawStrain)
+	O.cell.hSize = Matrix3(side * shrink, 0, 0, 0, side * shrink, 0, 0, 0, 0.1)
+	for body in O.bodies:
+		x = body.state.pos
+		body.state.pos = (x[0] * shrink, x[1] * shrink, x[2])
+	O.step()
+	after = utils.getStress()[0, 0]
+	print(
+		f"\nthaw strain {thawStrain} (reached {engine.thawStrainReached:.12f}, full {engine.fullThawStrain}): stress "
+		f"{before:.6f} Pa frozen, {thawed:.6f} thawed, {after:.6f} after settling"
+	)
+	assert before == pytest.approx(-E0 * 0.5 * (spacing + overlap) * overlap / (spacing * 0.1), rel=1e-8)
+	assert (thawed == 0) == (thawStrain > 0)
+	assert after == pytest.approx(before, rel=1e-8)
+	assert engine.thawStrainReached == pytest.approx(thawStrain, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("attribute, value", [("radiusRule", "literal"), ("porosity", 1.0), ("thawStrain", 0.2), ("dimension", 1), ("volumetricStrain", -0.5)])
+def test_impossible_swelling_is_refused_by_name(attribute, value):
+	with pytest.raises(ValueError, match=f"GrainSwelling.{attribute} is"):
+		wrapper.GrainSwelling(**{attribute: value})
+
+
+def test_swelling_survives_saving(tmp_path):
+	pair = Pair(overlap=1e-6)
+	swollen(pair, radiusRule="referenceOverlap")
+	pair.freeze(0.6)
+	uRef, force = pair.contact.phys.uRef, pair.normal
+	O.save(str(tmp_path / "swollen.yade.gz"))
+	O.load(str(tmp_path / "swollen.yade.gz"))
+	O.step()
+	contact = O.interactions[0, 1]
+	assert contact.phys.uRef == uRef and contact.phys.normalForce.norm() == force
+	O.materials[0].iceSaturation = 0
+	O.step()
+	assert O.bodies[0].shape.radius == R and O.interactions[0, 1].phys.uRef == 0
 
 
 # --- 3-D view --------------------------------------------------------------------------------------------------------------

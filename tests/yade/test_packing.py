@@ -240,8 +240,14 @@ def test_a_scene_that_the_packed_form_does_not_cover_is_refused_with_the_reason(
 		print(f"\n{refusal.value}")
 
 
+def otherRadii(rule):
+	O.engines = O.engines[:1] + [wrapper.GrainSwelling(porosity=0.19, radiusRule=rule)] + O.engines[1:]
+
+
 openOptions = {
 	"heals broken bonds": lambda: set_(lawOfBonds(), healBroken=True),
+	"it has a GrainSwelling": lambda: otherRadii("referenceOverlap"),
+	"has a GrainSwelling": lambda: otherRadii("mechanical"),
 	"bondNewContacts": lambda: set_(O.engines[2].physDispatcher.functors[0], bondNewContacts=True),
 }
 

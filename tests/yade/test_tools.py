@@ -291,7 +291,7 @@ window = SimulationInspector()
 window.show()
 draw(0.5)
 parts = [mpm, mpm.skeleton, mpm.heat, mpm.freezing, mpm.boundaries[0], mpm.bodies, wrapper.RveSkeleton(), wrapper.PoreWater(), wrapper.IceBondMat(),
-	wrapper.MohrCoulombSkeleton(), wrapper.Law2_ScGeom_IceBondPhys_IceBond()]
+	wrapper.MohrCoulombSkeleton(), wrapper.Law2_ScGeom_IceBondPhys_IceBond(), wrapper.GrainSwelling()]
 for part in parts:
 	editor = SerializableEditor(part, showType=True)
 	editor.show()

@@ -6,7 +6,6 @@
 #include <pkg/icebond/IceBondContacts.hpp>
 #include <pkg/icebond/IceBondMoments.hpp>
 #include <pkg/python/PythonFunction.hpp>
-#include <pkg/python/ScriptValues.hpp>
 #include <pkg/python/StepGate.hpp>
 #include <pkg/rve/open/OpenSample.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
@@ -456,7 +455,13 @@ py::list bodiesOf(const Scene& scene)
 	return bodies;
 }
 
-py::list enginesOf(const Scene& scene) { return listOf(enginesNow(scene)); }
+py::list enginesOf(const Scene& scene)
+{
+	py::list engines;
+	for (const auto& engine : enginesNow(scene))
+		engines.append(engine);
+	return engines;
+}
 
 std::string reasonAgainstPacking(const Scene& scene)
 {
@@ -515,8 +520,11 @@ template PackedState<3> packScene<3>(const Scene&, const PackedState<3>*);
 
 double thicknessOf(const Scene& scene)
 {
-	const PythonLock          held;
-	const py::object          found = callPython("talik._packable", "thickness", listOf(scene.tags), std::abs(scene.cell->hSize(2, 2)));
+	const PythonLock held;
+	py::list         tags;
+	for (const auto& tag : scene.tags)
+		tags.append(tag);
+	const py::object          found = callPython("talik._packable", "thickness", tags, std::abs(scene.cell->hSize(2, 2)));
 	const py::extract<double> thickness(found);
 	if (!thickness.check()) throw std::invalid_argument(py::extract<std::string>(found)());
 	return thickness();
@@ -542,9 +550,10 @@ template <int Dim> void openInto(Scene& scene, const PackedState<Dim>& s)
 	scene.iter = long(s.step);
 	if (isIceBondScene(scene))
 		for (Body* body : presentBodies(scene)) {
-			auto& material         = static_cast<IceBondMat&>(*body->material);
-			material.iceSaturation = s.iceSaturation;
-			material.radiusRatio   = s.radiusFactor;
+			auto& material             = static_cast<IceBondMat&>(*body->material);
+			material.iceSaturation     = s.iceSaturation;
+			material.radiusRatio       = s.radiusFactor;
+			material.radiusRatioBefore = s.radiusFactor;
 			material.takeBonds(s.ice);
 		}
 	openCell(scene, s);
