@@ -49,6 +49,7 @@ public:
 		((int,dimension,2,Attr::triggerPostLoad,"2: discs, 3: spheres."))
 		((Real,thawStrain,0,Attr::triggerPostLoad,"Rule mechanical: area strain (dimension 3: volume strain) that the grains release on complete thaw [-], from 0 "
 				"to fullThawStrain."))
+		((Real,frozenSaturation,1,Attr::triggerPostLoad,"Rule mechanical: ice saturation at which the grains were prepared [-], above 0, at most 1."))
 		((vector<Real>,preparedRadius,,Attr::readonly,"Radius of every body by id when it was first met [m]: r_0, or with the rule mechanical the radius prepared "
 				"frozen; 0: no sphere of IceBondMat."))
 		((vector<Real>,equivalentRadius,,Attr::readonly,"r_eq of every body by id [m] at its present ice saturation; 0: no sphere of IceBondMat."))
@@ -92,6 +93,7 @@ void GrainSwelling::postLoad(GrainSwelling&)
 	require(porosity > 0 && porosity < 1, "porosity", porosity, "give a number above 0 and below 1.");
 	require(volumetricStrain > -porosity, "volumetricStrain", volumetricStrain, "pores cannot lose more than their volume; give a number above -porosity.");
 	require(dimension == 2 || dimension == 3, "dimension", dimension, "give 2 for discs or 3 for spheres.");
+	require(frozenSaturation > 0 && frozenSaturation <= 1, "frozenSaturation", frozenSaturation, "give a number above 0, at most 1.");
 	const Real full = fullThawStrain();
 	// a little more than the full value: it is usually typed with a few digits
 	require(thawStrain >= 0 && thawStrain <= full * (1 + 1e-3), "thawStrain", thawStrain,
@@ -108,7 +110,7 @@ Real GrainSwelling::radiusRatio(Real iceSaturation) const
 {
 	switch (rule()) {
 		case Rule::referenceOverlap: return equivalentRatio(iceSaturation);
-		case Rule::mechanical: return std::pow(1 - thawStrain * (1 - iceSaturation), 1. / dimension);
+		case Rule::mechanical: return std::pow(1 - thawStrain * std::max(1 - iceSaturation / frozenSaturation, 0.), 1. / dimension);
 		default: return 1;
 	}
 }

@@ -13,7 +13,9 @@ import math
 
 import numpy as np
 
-from yade import Matrix3
+from yade import Matrix3, O, wrapper
+
+from talik import _talik
 
 largestObliquity = math.sin(math.radians(20))  # of the part that loose grains are asked to carry: radius over centre of Mohr's circle
 leastPressure = 2e3  # [Pa] below it a sample of grains is no sample
@@ -89,6 +91,11 @@ def openSample(mpm, id, scene):
 	kept = {name: value for name, value in former.dict().items() if name not in ("samples", "scenes", "sampleOf", "form", "device", "skeletons")}
 	if math.isnan(kept["slipFriction"]):
 		kept["slipFriction"] = former.measuredFriction
+	shown = _talik.exchangeScene(scene)
+	try:
+		_thawGrains(former.sample(id))
+	finally:
+		_talik.exchangeScene(shown)
 	sample = _class("OpenRveSample")(source=scene, **{name: kept[name] for name in ("maxStrainPerStep", "maxInertialNumber", "minSteps", "timeStepFollowsIce")})
 	gradient = np.zeros((3, 3))
 	accumulated = mpm.field(f"skeleton{numbers[id]}.accumulatedGradient")[id]
@@ -99,6 +106,24 @@ def openSample(mpm, id, scene):
 	numbers[id] = len(laws)
 	_exchange(mpm, laws + [law], numbers)
 	return law
+
+
+def _thawGrains(packed):
+	"""The grains of the scene shown shrink as those of the packed sample would, eq. (14.5), if it has no engine that does it."""
+	engines, grains = O.engines, [body for body in O.bodies if isinstance(body.mat, wrapper.IceBondMat)]
+	if packed.thawStrain == 0 or not grains or any(isinstance(engine, wrapper.GrainSwelling) for engine in engines):
+		return
+	lost = 1 - grains[0].mat.radiusRatio ** packed.dimension
+	frozen = packed.iceSaturation / (1 - lost / packed.thawStrain) if 0 < lost < packed.thawStrain else packed.iceSaturation
+	shrink = wrapper.GrainSwelling(
+		radiusRule="mechanical",
+		porosity=max(packed.statistics()["porosity"], packed.thawStrain),
+		dimension=packed.dimension,
+		thawStrain=packed.thawStrain,
+		frozenSaturation=min(1, frozen) or 1,
+	)
+	collider = next(k for k, engine in enumerate(engines) if isinstance(engine, wrapper.Collider))
+	O.engines = engines[:collider] + [shrink] + engines[collider:]
 
 
 def bringTo(sample, stress, iceSaturation=0.0):

@@ -122,7 +122,7 @@ public:
 		.add_property("thawStrain",&RveSample::thawStrain,&RveSample::setThawStrain,"Area strain that the grains release on complete thaw [-]: eq. (8) of Yu & Zhao "
 				"as mechanical shrinkage of grains prepared frozen, (r/r_0)^2 = 1-thawStrain*(1-S_i/S_frozen), S_frozen the largest ice saturation so far; not undone by "
 				"refreezing. From 0 (default, bookkeeping: grains keep their radii) to the porosity of the sample (all of eq. 8); set it before the sample freezes. A "
-				"scene opened from it keeps the radii of that moment.")
+				"scene opened from it keeps the radii of that moment; one that goes on behind a point (MpmEngine.inspect, form='open') has a GrainSwelling.")
 		.add_property("thawedStrength",&RveSample::thawedStrength,&RveSample::setThawedStrength,"Tensile and cohesive shear strength that bonds keep when their ice "
 				"has melted [Pa], >= 0, see IceBondMat.thawedStrength; 0 (default): they melt. talik.studies.calibrate.thawedStrength finds the one that gives a cohesion.")
 		.add_property("thickness",&RveSample::thickness,"Of discs: thickness of the slice of ground that carries their forces [m], by which stress is divided; "
