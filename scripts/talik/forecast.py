@@ -392,7 +392,7 @@ def probabilityMap(runs, field="displacement", above=0.1, day=None, inPlan=False
 	if not len(runs):
 		raise ValueError("probabilityMap: runs is empty; give the frames of one run or more, as talik.output.loadFrames reads them")
 	last = [_until(frames, day) for frames in runs]
-	name = f"{field} above {above:g}{_unitIn(*plots.slopeFields.get(field, (field,))[:1])}" + (
+	name = f"{field} above {above:g}{_unitIn(plots.slopeFields.get(field, (field,))[0])}" + (
 		"" if day is None else f" by {day if isinstance(day, str) else f'day {day:g}'}"
 	)
 	last = [{**frame, "happened": plots.magnitude(plots.valuesOf(frame, field)) > above} for frame in last]

@@ -91,12 +91,12 @@ def openSample(mpm, id, scene):
 	kept = {name: value for name, value in former.dict().items() if name not in ("samples", "scenes", "sampleOf", "form", "device", "skeletons")}
 	if math.isnan(kept["slipFriction"]):
 		kept["slipFriction"] = former.measuredFriction
-	shown = _talik.exchangeScene(scene)
+	sample = _class("OpenRveSample")(source=scene, **{name: kept[name] for name in ("maxStrainPerStep", "maxInertialNumber", "minSteps", "timeStepFollowsIce")})
+	shown = _talik.exchangeScene(sample.scene)
 	try:
 		_thawGrains(former.sample(id))
 	finally:
 		_talik.exchangeScene(shown)
-	sample = _class("OpenRveSample")(source=scene, **{name: kept[name] for name in ("maxStrainPerStep", "maxInertialNumber", "minSteps", "timeStepFollowsIce")})
 	gradient = np.zeros((3, 3))
 	accumulated = mpm.field(f"skeleton{numbers[id]}.accumulatedGradient")[id]
 	size = math.isqrt(accumulated.size)
