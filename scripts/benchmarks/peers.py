@@ -14,7 +14,9 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 import figures
 
@@ -84,6 +86,10 @@ def draw(rows, file):
 			if of:
 				panel.loglog([row["seconds"] for row in of], [100 * row["error"] for row in of], marker, color=colour, label=code)
 		panel.set(title=problem, xlabel="processor time [s]", ylabel="error [%]")
+		if np.ptp(np.log10(panel.get_ylim())) < 2:  # a power of ten alone would say little
+			panel.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+			panel.yaxis.set_minor_formatter(NullFormatter())
+		panel.yaxis.set_major_formatter("{x:g}")
 		panel.grid(alpha=0.3, which="both")
 		panel.legend()
 	figure.savefig(file, dpi=100)

@@ -249,11 +249,10 @@ def drawBands(axes, x, y, field, outline, bands):
 	>>> area = talik.plots.Path(*surface.polygons())
 	>>> T = mpm.field("temperature")
 	>>> talik.plots.drawBands(axes, surface.x, surface.y, surface(T), area, talik.plots.bandsOf("temperature", T))"""
-	span = bands.levels[-1] - bands.levels[0]
-	inside = np.clip(
-		field, None if bands.extend in ("min", "both") else bands.levels[0], None if bands.extend in ("max", "both") else bands.levels[-1] - 1e-9 * span
-	)
-	filled = axes.contourf(x, y, np.ma.masked_invalid(inside), levels=bands.levels, cmap=bands.map, norm=bands.norm, extend=bands.extend)
+	slack = 1e-6 * (bands.levels[-1] - bands.levels[0])  # round-off in values that equal a level is no border
+	highest = None if bands.extend in ("max", "both") else bands.levels[-1] - 2 * slack
+	inside = np.clip(field, None if bands.extend in ("min", "both") else bands.levels[0], highest)
+	filled = axes.contourf(x, y, np.ma.masked_invalid(inside), levels=bands.levels - slack, cmap=bands.map, norm=bands.norm, extend=bands.extend)
 	_clip(axes, filled, outline)
 
 

@@ -122,6 +122,22 @@ def test_values_beyond_given_limits_are_told_by_an_arrow_of_the_colour_bar():
 	assert found == ["neither", "min", "max", "both"]
 
 
+def test_ground_whose_value_equals_a_level_has_one_colour_whatever_its_round_off(folder):
+	x = np.linspace(0, 1, 50)
+	noise = 1e-12 * np.random.default_rng(1).standard_normal((50, 50))
+	whole = plots.Path([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
+	bands = plots.bandsOf("temperature", np.array([-2.6, -0.8]), levels=np.arange(-2.6, -0.7, 0.2))
+	for value in (-2.6, -1.6, -0.8):  # lowest level, one between, highest
+		fig = plots.figure(2, 2)
+		axes = fig.subplots()
+		axes.set_axis_off()
+		plots.drawBands(axes, x, x, value + noise, whole, bands)
+		pixels = imread(plots.save(fig, os.path.join(folder, "level.png"), dpi=100))[40:-40, 40:-40, :3]
+		colours = len(np.unique(pixels.reshape(-1, 3), axis=0))
+		print(f"{value} degC with a round-off of 1e-12: {colours} colour(s)")
+		assert colours == 1
+
+
 def test_the_bar_of_a_field_of_microns_has_short_numbers_and_a_unit_with_its_power_of_ten():
 	axes = plots.figure(4, 3).subplots()
 	bar = plots.colourBar(axes, plots.bandsOf("displacement", np.array([0.0, 8e-5])))
