@@ -62,10 +62,13 @@ def grains(measured):
 
 
 def errors(rows):
-	lines = ["| problem | code | settings | error | processor time [s] |", "|---|---|---|---|---|"]
+	lines = ["| problem | code | error in processor time [s], with settings |", "|---|---|---|"]
 	for problem in norms:
-		for row in sorted((r for r in rows if r["problem"] == problem), key=lambda r: (r["code"] != "Talik", r["code"], r["seconds"])):
-			lines.append(f"| {problem} | {row['code']} | {row['settings']} | {100 * row['error']:.2g} % | {row['seconds']:.2g} |")
+		of = [row for row in rows if row["problem"] == problem]
+		for code in sorted({row["code"] for row in of}, key=lambda code: (code != "Talik", code)):
+			ones = sorted((row for row in of if row["code"] == code), key=lambda row: row["seconds"])
+			told = [f"{100 * row['error']:.2g} % in {row['seconds']:.2g} ({row['settings']})" for row in ones]
+			lines.append(f"| {problem} | {code} | {'; '.join(told)} |")
 	return lines
 
 
