@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """How safe is a slope of silt while it thaws, and how probable is it that it moves, with the little that is known of its soil?
 
-	scripts/run slope_at_risk [--preset test|draft|standard]
+	scripts/run slope_at_risk [--preset test|draft|standard] [--cohesion 2000] [--friction 32] [--conductivity 1e-7] [--thaw-strain 0.04] [--surface 6]
 
 Two answers for the same slope of 27° and 2 m, frozen at -1 °C, whose surface stays at 6 °C for sixty days:
 
@@ -9,7 +9,7 @@ Two answers for the same slope of 27° and 2 m, frozen at -1 °C, whose surface 
 - the displacement on the last day for soils drawn by chance, as the probability that each place moves by more than 0.1 m, and as the probability
   that a displacement is exceeded anywhere, with the confidence that the number of runs allows.
 
-Change the soil (`likely`), what is believed of it (`believed`) and the outline first.
+The options are the soil that is most likely. Change what is believed of it (`believed`) and the outline first.
 """
 
 import argparse
@@ -26,6 +26,13 @@ parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--preset", default="draft", choices=("test", "draft", "standard"), help="size of the job")
 parser.add_argument("--output", default="output/slope_at_risk", help="folder for the results")
 parser.add_argument("--runs", type=int, help="soils drawn by chance")
+parser.add_argument("--cohesion", type=float, default=2e3, help="of thawed ground [Pa], above 0: median of the soils")
+parser.add_argument("--friction", type=float, default=32.0, help="friction angle [degrees], 10 to 45: mean of the soils")
+parser.add_argument("--conductivity", type=float, default=1e-7, help="hydraulic, of thawed ground [m/s], above 0: median of the soils")
+parser.add_argument(
+	"--thaw-strain", type=float, default=0.04, help="part of its volume that ground loses as it thaws [-], above 0, below 0.5: mean of the soils"
+)
+parser.add_argument("--surface", type=float, default=6.0, help="temperature of the surface [degC], above 0")
 options = parser.parse_args()
 folder = writableFolder(options.output)
 
@@ -33,12 +40,15 @@ spacing = {"test": 0.5, "draft": 0.25, "standard": 0.125}[options.preset]  # [m]
 runs = options.runs or {"test": 4, "draft": 30, "standard": 100}[options.preset]
 outline = [(0, 0), (10, 0), (10, 1), (8, 1), (4, 3), (0, 3)]  # [m]
 days, moves = (15.0, 30.0, 60.0), 0.1  # of the calendar; displacement that counts as motion [m]
-likely = dict(friction=32.0, cohesion=2e3, conductivity=1e-7, thawStrain=0.04)  # [degrees], [Pa], [m/s], [-]
+for name, lowest, highest in (("cohesion", 0, 1e6), ("friction", 10, 45), ("conductivity", 0, 1), ("thaw_strain", 0, 0.5), ("surface", 0, 40)):
+	if not lowest < getattr(options, name) < highest:
+		raise SystemExit(f"--{name.replace('_', '-')} {getattr(options, name):g}: give a number between {lowest:g} and {highest:g}")
+likely = dict(friction=options.friction, cohesion=options.cohesion, conductivity=options.conductivity, thawStrain=options.thaw_strain)
 believed = dict(
-	friction=stats.norm(loc=32, scale=2),
-	cohesion=stats.lognorm(s=0.4, scale=2e3),
-	conductivity=stats.lognorm(s=1.0, scale=1e-7),
-	thawStrain=stats.beta(4, 96),
+	friction=stats.norm(loc=options.friction, scale=2),
+	cohesion=stats.lognorm(s=0.4, scale=options.cohesion),
+	conductivity=stats.lognorm(s=1.0, scale=options.conductivity),
+	thawStrain=stats.beta(4, 4 / options.thaw_strain - 4),
 )
 
 
@@ -57,7 +67,7 @@ def ground(soil):
 		boundaries=[
 			*(wrapper.RollerBoundary(region=side) for side in ("left", "right")),
 			wrapper.FixedBoundary(region="bottom"),
-			wrapper.SurfaceTemperature(region="surface", temperature=6),
+			wrapper.SurfaceTemperature(region="surface", temperature=options.surface),
 			wrapper.DrainedBoundary(region="surface"),
 		],
 	)

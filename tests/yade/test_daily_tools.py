@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -288,3 +289,22 @@ def test_import_talik_loads_none_of_its_tools_and_no_package(tmp_path):
 	_, time, *loaded = re.search(r"LOADED .*", run.stdout).group(0).split()
 	print(f"import talik takes {1e3 * float(time):.0f} ms of processor time and loads {len(loaded)} modules: {', '.join(sorted(loaded))}")
 	assert all(name.startswith("talik") for name in loaded) and len(loaded) < 20
+
+
+@pytest.mark.parametrize(
+	"copy",
+	[
+		"chilled_pipeline --segregation-potential 5e-9",
+		"thaw_settlement_column --porosity 0.5 --thawed-porosity 0.45 --surface 12",
+		"slope_at_risk --runs 2 --cohesion 8000 --surface 10",
+	],
+)
+def test_an_example_with_another_soil_ends_well_whatever_comes_out_slow(copy, tmp_path):
+	"""Its calculations by hand judge it in the tests of Talik only (TALIK_JUDGES)."""
+	name, *arguments = copy.split()
+	shutil.copy(Path(__file__).resolve().parents[2] / "examples" / f"{name}.py", tmp_path / "mine.py")
+	environment = {variable: value for variable, value in os.environ.items() if variable != "TALIK_JUDGES"}
+	command = ["yade", "-n", "-x", "-j1", "mine.py", "--preset", "test", *arguments]
+	run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600, env=environment)
+	print(run.stdout[-800:])
+	assert run.returncode == 0 and list((tmp_path / "output" / name).glob("*.png")), run.stderr
