@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fixtures import sixtySpheres
-from yade import Matrix3, O, Vector3, utils, wrapper
+from yade import Matrix3, O, Vector3, pack, utils, wrapper
 
 import talik
 from talik import packing
@@ -204,3 +204,33 @@ def test_spheres_behind_points_in_the_plane_are_told_of_whether_they_are_packed_
 	told = capfd.readouterr().err
 	print(told)
 	assert told.count("samples of spheres behind points in the plane run open only") == 1
+
+
+def test_spheres_with_a_law_of_ones_own_reach_a_stress_of_six_components_and_carry_ground_in_space():
+	"""What the recipe says of space: a cube longer than four radii, grains that may turn, the law of the user."""
+	goal = np.array((-10e3, -12e3, -15e3, 0, 0, 1e3))
+	with talik.scratchScene():
+		O.periodic = True
+		O.cell.hSize = Matrix3(0.06, 0, 0, 0, 0.06, 0, 0, 0, 0.06)
+		O.materials.append(wrapper.FrictMat(young=5e7, poisson=0.3, frictionAngle=0.5, density=2650))
+		cloud = pack.SpherePack()
+		cloud.makeCloud((0, 0, 0), (0.06, 0.06, 0.06), rMean=6e-3, rRelFuzz=0.2, num=30, periodic=True, seed=1)
+		cloud.toSimulation()
+		law = [wrapper.Ig2_Sphere_Sphere_ScGeom()], [wrapper.Ip2_FrictMat_FrictMat_MindlinPhys()], [wrapper.Law2_ScGeom_MindlinPhys_Mindlin()]
+		collider = wrapper.InsertionSortCollider([wrapper.Bo1_Sphere_Aabb()])
+		O.engines = [wrapper.ForceResetter(), collider, wrapper.InteractionLoop(*law), wrapper.NewtonIntegrator(damping=0.3)]
+		O.dt = 0.3 * utils.PWaveTimeStep()
+		packing.servoStress(None, goal, maxStrain=1)
+		reached, mine = packing.stress(), O._sceneObj
+	print(f"stress {np.round(reached)} Pa, goal {goal}; tolerance 2e-3 of the mean")
+	assert np.abs(reached - goal).max() < 2.1e-3 * 12.4e3
+	mpm = wrapper.MpmEngine(
+		gridSpacing=0.5, lower=(0, 0, 0), upper=(1, 1, 1.5), gravity=(0, 0, -9.81), skeleton=wrapper.RveSkeleton(scenes=[mine]),
+		boundaries=[wrapper.FixedBoundary(region=side) for side in ("left", "right", "front", "back", "bottom")],
+	)  # fmt: skip
+	talik.geometry.fill(mpm, talik.solids.box((0, 0, 0), (1, 1, 1)), pointsPerCell=1, porosity=0.4)
+	O.engines = [mpm]
+	O.run(3, True)
+	stress = mpm.field("stress")
+	print(f"{mpm.pointCount} points, mean stress {np.round(stress.mean(axis=0))} Pa")
+	assert stress.shape == (mpm.pointCount, 6) and np.abs(stress - goal).max() < 0.1 * 15e3
