@@ -10,14 +10,10 @@ namespace talik {
 
 namespace {
 
-	// Which lattice: that which stays most compact in so much stretch to come, looked at so often in a stretch of one.
-	constexpr double horizon = 3, stationsPerStrain = 5;
-	constexpr int    divisions[]   = { 64, 16 }; ///< shifts along a cell vector that are tried, of discs and of spheres
-	constexpr double gain          = 1.2;        ///< least compactness over that of the lattice as it is, which a slip has to reach
-	constexpr double compactEnough = 0.65;       ///< spheres slip across a second plane only where one does not reach it
+	constexpr int divisions[] = { 64, 16 }; ///< shifts along a cell vector that are tried, of discs and of spheres
 
-	// How grains part: sweeps over all pairs, and of them on one list of neighbours; then steps with strong damping.
-	constexpr int    sweeps = 400, sweepsOfList = 20;
+	// How grains part: sweeps over all pairs, then steps with strong damping, without which a third of the bonds that hold would break.
+	constexpr int    sweeps        = 400;
 	constexpr long   stepsAtRest   = 1000;
 	constexpr double dampingAtRest = 0.7;
 
@@ -38,8 +34,7 @@ namespace {
 
 	/// Which lattice, and along which of its planes: columns of hSize (1 + shift) are the new cell vectors.
 	template <int Dim> struct Slip {
-		typename PackedTypes<Dim>::Matrix shift  = PackedTypes<Dim>::Matrix::Zero();
-		double                            rating = 0; ///< least compactness up to the horizon
+		typename PackedTypes<Dim>::Matrix shift = PackedTypes<Dim>::Matrix::Zero();
 		/// Whether a pair so many cells apart is divided by one of the planes.
 		bool divides(const typename PackedTypes<Dim>::CellDist& cells) const
 		{
@@ -59,14 +54,7 @@ namespace {
 		        , state(sample.state())
 		        , target(symmetricPart<Dim>(state.stress))
 		        , meanOverlap(sample.statistics().meanOverlapRatio)
-		{
-			// the stretch that made the cell thin goes on
-			const Eigen::SelfAdjointEigenSolver<Matrix> form(Matrix(state.hSize * state.hSize.transpose()));
-			Vector                                      strain = form.eigenvalues().array().log();
-			strain.array() -= strain.mean();
-			strain *= std::sqrt(2.) / strain.norm() / stationsPerStrain;
-			stretch = form.eigenvectors() * strain.array().exp().matrix().asDiagonal() * form.eigenvectors().transpose();
-		}
+		{}
 
 		/// False: no lattice would be better, and nothing has changed. Throws PackedBlowUp.
 		bool perform()
@@ -89,42 +77,31 @@ namespace {
 	private:
 		// ---- which lattice ------------------------------------------------------------------------------------------------------
 
-		double rating(Matrix h, double enough) const
-		{
-			double least = cellCompactness<Dim>(h);
-			for (int k = 0; k < int(horizon * stationsPerStrain) && least > enough; ++k) {
-				h     = stretch * h;
-				h     = (h * cellReduction<Dim>(h, 0.5).template cast<double>()).eval();
-				least = std::min(least, cellCompactness<Dim>(h));
-			}
-			return least;
-		}
-
-		/// Slips across one plane; of spheres, where those do not suffice, across two that share a cell vector.
+		/// That which stays most compact when the stretch that made the cell thin comes once more. Discs slip along lines, spheres across one plane
+		/// or two that share a cell vector.
 		Slip<Dim> choose() const
 		{
-			constexpr int n = divisions[Dim - 2];
-			Slip<Dim>     best;
-			best.rating         = gain * rating(state.hSize, 0);
-			const auto part     = [](int k) { return (k + 0.5) / n; };
-			const auto consider = [&](Slip<Dim> slip) {
-				slip.rating = rating(state.hSize * (Matrix::Identity() + slip.shift), best.rating);
-				if (slip.rating > best.rating) best = slip;
+			constexpr int n           = divisions[Dim - 2];
+			const Matrix  h           = state.hSize;
+			const Matrix  stretch     = Eigen::SelfAdjointEigenSolver<Matrix>(Matrix(h * h.transpose())).operatorSqrt() / side<Dim>(h);
+			const auto    compactness = [&](const Matrix& lattice) {
+                                return std::min(cellCompactness<Dim>(lattice), cellCompactness<Dim>(stretch * lattice));
+			};
+			Slip<Dim>  best;
+			double     most     = compactness(h);
+			const auto consider = [&](int row, int column, int otherRow, int otherColumn, int k) {
+				Slip<Dim> slip;
+				slip.shift(row, column) = (k % n + 0.5) / n;
+				if (Dim == 3) slip.shift(otherRow, otherColumn) = (k / n + 0.5) / n;
+				const double compact = compactness(h * (Matrix::Identity() + slip.shift));
+				if (!(compact > most)) return;
+				most = compact;
+				best = slip;
 			};
 			for (int d = 0; d < Dim; ++d)
-				for (int k = 0; k < (Dim == 2 ? n : n * n); ++k) {
-					Slip<Dim> slip;
-					slip.shift((d + 1) % Dim, d) = part(k % n);
-					if (Dim == 3) slip.shift((d + 2) % Dim, d) = part(k / n);
-					consider(slip);
-				}
-			if (Dim == 2 || best.rating > compactEnough) return best;
-			for (int d = 0; d < Dim; ++d)
-				for (int k = 0; k < n * n; ++k) {
-					Slip<Dim> slip;
-					slip.shift(d, (d + 1) % Dim) = part(k % n);
-					slip.shift(d, (d + 2) % Dim) = part(k / n);
-					consider(slip);
+				for (int k = 0, next = (d + 1) % Dim, last = (d + 2) % Dim; k < (Dim == 2 ? n : n * n); ++k) {
+					consider(next, d, last, d, k);
+					if (Dim == 3) consider(d, next, d, last, k);
 				}
 			return best;
 		}
@@ -174,14 +151,13 @@ namespace {
 
 		double radiusOf(std::size_t g) const { return state.grains->radius[g] * state.radiusFactor; }
 
-		/// Pairs with a gap of less than the skin on either grain.
-		std::vector<Pair> pairsWithin(double skin) const
+		std::vector<Pair> pairsThatTouch() const
 		{
 			std::vector<double>        radii;
 			std::vector<std::uint64_t> keys[2];
 			double                     h[Dim * Dim];
 			for (std::size_t g = 0; g < state.size(); ++g)
-				radii.push_back(radiusOf(g) + skin);
+				radii.push_back(radiusOf(g));
 			copyMatrix<Dim>(state.hSize, h);
 			NeighbourSearch<Dim>().build(state.position.front().data(), Dim, radii.data(), state.size(), h, keys[0], keys[1]);
 			std::vector<Pair> pairs;
@@ -201,11 +177,9 @@ namespace {
 		/// Grains that overlap by more than those that touched before did on average move apart.
 		void separate()
 		{
-			std::vector<Pair> pairs;
 			for (int sweep = 0; sweep < sweeps; ++sweep) {
-				if (sweep % sweepsOfList == 0) pairs = pairsWithin(0.1 * workspace.meanRadius());
 				double largest = 0;
-				for (const Pair& pair : pairs) {
+				for (const Pair& pair : pairsThatTouch()) {
 					Vector &     one = state.position[pair.first], &other = state.position[pair.second];
 					Vector       branch   = other + pair.shift - one;
 					const double distance = branch.norm(), size = radiusOf(pair.first) + radiusOf(pair.second);
@@ -213,7 +187,7 @@ namespace {
 					if (!(excess > 0)) continue;
 					if (!(distance > 0)) throw PackedBlowUp("two grains of a cell that slipped stand in one place");
 					const double a = state.grains->mass[pair.first], b = state.grains->mass[pair.second];
-					branch *= 0.8 * excess / distance / (a + b);
+					branch *= excess / distance / (a + b);
 					one -= b * branch;
 					other += a * branch;
 					largest = std::max(largest, excess / size);
@@ -249,7 +223,6 @@ namespace {
 			options.maxInertialNumber = ordinary.maxInertialNumber;
 			options.unbalancedLimit   = INFINITY;
 			options.maxSteps          = mostSteps;
-			options.interval          = 20;
 			workspace.strainTowards(options);
 			workspace.store(state);
 			return (state.hSize * before.inverse() - Matrix::Identity()).cwiseAbs().maxCoeff();
@@ -259,7 +232,6 @@ namespace {
 		PackedState<Dim>   state;
 		const Matrix       target;
 		const double       meanOverlap; ///< over the sum of radii, of grains that touched before [-]
-		Matrix             stretch;     ///< a part of the stretch to come
 	};
 
 } // namespace
