@@ -138,10 +138,7 @@ template <int D> static void checkAxis(const GroundSettings<D>& s)
 	require(!s.pointsDivide, "with pointsDivide", "edges of points do not see the hoop strain; leave pointsDivide out");
 	require(!s.bodies, "with bodies", "they would be rings; leave bodies out, and move walls by MovingBoundary");
 	require(s.effects.empty(), "with effects", "they do not see the hoop strain; leave them out");
-	require(!s.water || !(s.water->implicit || s.freezing), "with implicit pressure or water that freezes",
-	        "faces of cells have no radius; take explicit pressure, leave freezing out");
-	for (const SoilMaterial& m : s.materials)
-		require(m.thawStrain == 0.0 && !m.compression.given(), "with thaw strain", "it does not see the hoop strain; leave it out");
+	require(!s.segregation, "with segregation", "lenses have no radius in their areas; leave segregation out");
 	for (const auto& law : s.skeletons)
 		require(!law || law->knowsHoopStrain(), "with " + (law ? law->name() : ""), "it does not see the hoop strain; take another skeleton law");
 }

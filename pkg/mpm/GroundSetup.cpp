@@ -123,7 +123,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (bodies && facesBodies()) bodies->allocateFaces(grid);
 	if (motion)
 		inMotion = { points->positions(), readOnly(motion->velocity), readOnly(motion->gradient),     readOnly(motion->stress), motion->mass,
-			     points->volume(),    motion->addedStress,        readOnly(motion->displacement), motion->initialVolume };
+			     points->volume(),    motion->addedStress,        readOnly(motion->displacement), motion->initialVolume,    motion->hoop };
 	if (heat) heat->bind(*points, grid);
 	if (content) {
 		content->bind(*points);

@@ -257,33 +257,131 @@ TEST(Axisymmetry, SteadyFlowToAWellFollowsThiem)
 {
 	citing("Thiem 1906");
 	const double a = 0.5, b = 3.0, pressure = 2e4;
-	auto         s = aquifer({ a, b, 0.05, 1 }, 1e-2, 1e8);
-	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("left"), 0.0);
-	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("right"), pressure);
-	Ground<2> ground = filled(s, [&](PointInput<2>& p) { p.pressure = pressure; });
-	marchTo(ground, 0.3);
-	const auto r = ofCells(ground, "position"), velocity = ofCells(ground, "liquidVelocity");
-	const auto head = [&](double x) { return pressure * std::log(x / a) / std::log(b / a); };
-	expectSmall("Thiem: pressure, means of two cells, over the drawdown", errorOf(pairsOf(ofCells(ground, "pressure")), pairsOf(r), pressure, head), 1e-2);
-	double flow = 0.0;
-	for (std::size_t c = 0; c < r.size(); ++c)
-		flow -= 0.4 * velocity[c] * r[c] / r.size();
-	expectRelative("Thiem: flow to the well, mean of the cells [m2/s per radian]", flow, mobilityOf(s) * pressure / std::log(b / a), 1e-2);
+	for (const bool implicit : { false, true }) {
+		auto s              = aquifer({ a, b, 0.05, 1 }, 1e-2, 1e8);
+		s.water->implicit   = implicit;
+		const char* const m = implicit ? "Thiem, implicit pressure: " : "Thiem: ";
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::side("left"), 0.0);
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::side("right"), pressure);
+		Ground<2> ground = filled(s, [&](PointInput<2>& p) { p.pressure = pressure; });
+		marchTo(ground, 0.3);
+		const auto r = ofCells(ground, "position"), velocity = ofCells(ground, implicit ? "seepageVelocity" : "liquidVelocity");
+		const auto head = [&](double x) { return pressure * std::log(x / a) / std::log(b / a); };
+		expectSmall(
+		        std::string(m) + "pressure, means of two cells, over the drawdown",
+		        errorOf(pairsOf(ofCells(ground, "pressure")), pairsOf(r), pressure, head), 1e-2);
+		double flow = 0.0;
+		for (std::size_t c = 0; c < r.size(); ++c)
+			flow -= 0.4 * velocity[c] * r[c] / r.size();
+		expectRelative(
+		        std::string(m) + "flow to the well, mean of the cells [m2/s per radian]", flow, mobilityOf(s) * pressure / std::log(b / a), 1e-2);
+	}
 }
 
 /// Theis 1935: a well that draws water from a layer at a constant rate.
 TEST(Axisymmetry, AWellDrawsDownTheLayerAsTheis)
 {
 	citing("Theis 1935");
-	const double a = 0.1, flux = 1e-2, pressure = 1e5, young = 1e9, t = 0.4;
-	auto         s = aquifer({ a, 10.1, 0.1, 1 }, 1e-3, young);
-	addBoundary<WaterFlux<2>>(s, Region<2>::side("left"), -flux);
-	Ground<2> ground = filled(s, [&](PointInput<2>& p) { p.pressure = pressure; });
+	const double a = 0.1, flux = 1e-2, pressure = 1e5, t = 0.4;
+	for (const bool implicit : { false, true }) {
+		const double young = implicit ? 5e8 : 1e9;
+		auto         s     = aquifer({ a, 10.1, 0.1, implicit ? 2 : 1 }, 1e-3, young);
+		s.water->implicit  = implicit;
+		addBoundary<WaterFlux<2>>(s, Region<2>::side("left"), -flux);
+		Ground<2> ground = filled(s, [&](PointInput<2>& p) { p.pressure = pressure; });
+		marchTo(ground, t);
+		const double mobility = mobilityOf(s), storage = 1.0 / LameModuli(young, 0.3).oedometer() + 0.4 / s.water->state.liquidBulkModulus;
+		const auto   exact = [&](double r) { return pressure + flux * a / (2.0 * mobility) * std::expint(-r * r * storage / (4.0 * mobility * t)); };
+		auto         p = pairsOf(ofCells(ground, "pressure")), r = pairsOf(ofCells(ground, "position"));
+		p.erase(p.begin(), p.begin() + 9);
+		r.erase(r.begin(), r.begin() + 9);
+		expectSmall(
+		        std::string(implicit ? "Theis, implicit pressure" : "Theis") + ": pressure from 1 m on, means of two cells, over the drawdown there",
+		        errorOf(p, r, pressure - exact(r.front()), exact), 2e-2);
+	}
+}
+
+/// Barron 1948, free strain: a loaded layer whose grains move along the axis alone gives its water to a drain in its middle.
+TEST(Axisymmetry, ALayerConsolidatesAroundASandDrainAsBarron)
+{
+	citing("Barron 1948, free strain");
+	const double a = 0.5, b = 1.5, load = 1e4, young = 1e7;
+	auto         s = settingsOf({ a, b, 0.05, 1 });
+	s.motion.emplace();
+	s.skeletons                                 = { elastic(young, 0.3) };
+	s.water.emplace().implicit                  = true;
+	s.water->permeability.referenceConductivity = 1e-3;
+	for (const char* side : { "left", "right" })
+		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
+	addBoundary<FixedBoundary<2>>(s, Region<2>::side("bottom"));
+	addBoundary<AlongTheAxis>(s, "top");
+	addBoundary<Traction<2>>(s, Region<2>::side("top"), load);
+	addBoundary<DrainedBoundary<2>>(s, Region<2>::side("left"), 0.0);
+	const double compliance = 1.0 / LameModuli(young, 0.3).oedometer(), storage = compliance + 0.4 / s.water->state.liquidBulkModulus;
+	const double start = load * compliance / storage, diffusivity = mobilityOf(s) / storage, t = 0.2 / diffusivity;
+	Ground<2>    ground = filled(s, [&](PointInput<2>& p) {
+                p.pressure  = start;
+                p.stress[1] = start - load;
+        });
 	marchTo(ground, t);
-	const double mobility = mobilityOf(s), storage = 1.0 / LameModuli(young, 0.3).oedometer() + 0.4 / s.water->state.liquidBulkModulus;
-	const auto   exact = [&](double r) { return pressure + flux * a / (2.0 * mobility) * std::expint(-r * r * storage / (4.0 * mobility * t)); };
-	auto         p = pairsOf(ofCells(ground, "pressure")), r = pairsOf(ofCells(ground, "position"));
-	p.erase(p.begin(), p.begin() + 9);
-	r.erase(r.begin(), r.begin() + 9);
-	expectSmall("Theis: pressure from 1 m on, means of two cells, over the drawdown there", errorOf(p, r, pressure - exact(r.front()), exact), 2e-2);
+	// sum over the roots of the slope at b of U(x r) = J0(x r) Y0(x a) - Y0(x r) J0(x a)
+	const auto product = [&](int order, double x, double r) {
+		return std::cyl_bessel_j(order, x * r) * std::cyl_neumann(0, x * a) - std::cyl_neumann(order, x * r) * std::cyl_bessel_j(0, x * a);
+	};
+	std::vector<double> exact(20, 0.0), radius(20);
+	for (int c = 0; c < 20; ++c)
+		radius[c] = a + (c + 0.5) * 0.05;
+	int modes = 0;
+	for (double x = 0.05; modes < 8; x += 0.05) {
+		if (product(1, x, b) * product(1, x + 0.05, b) > 0.0) continue;
+		double low = x, high = x + 0.05, first = 0.0, square = 0.0;
+		while (high - low > 1e-12)
+			(product(1, low, b) * product(1, 0.5 * (low + high), b) > 0.0 ? low : high) = 0.5 * (low + high);
+		for (int k = 0; k < 2000; ++k) {
+			const double r = a + (k + 0.5) / 2000 * (b - a), value = product(0, low, r);
+			first += r * value;
+			square += r * value * value;
+		}
+		for (int c = 0; c < 20; ++c)
+			exact[c] += start * first / square * product(0, low, radius[c]) * std::exp(-diffusivity * low * low * t);
+		++modes;
+	}
+	const auto found   = ofCells(ground, "pressure");
+	double     largest = 0.0;
+	for (int c = 0; c < 20; ++c)
+		largest = std::max(largest, std::abs(found[c] - exact[c]) / start);
+	expectSmall("sand drain, implicit pressure: pressure of cells over that of the start", largest, 1e-2);
+}
+
+/// The strain of thaw closes along the axis, whatever the radius.
+TEST(Axisymmetry, AThawingCylinderSettlesByItsThawStrain)
+{
+	citing("thaw strain times height");
+	auto s                     = settingsOf({ 0.0, 0.5, 0.05, 12 });
+	s.motion.emplace().gravity = { 0.0, -9.81 };
+	s.heat.emplace().source    = 2e4;
+	s.heat->thermalTimeScale   = 2e4;
+	s.freezing                 = makeFreezingCurve("linear", { { "frozenTemperature", -0.5 } });
+	s.skeletons                = { elastic(1e7, 0.3) };
+	s.motion->localDamping     = 0.3;
+	SoilMaterial soil;
+	soil.thawStrain = 0.1;
+	s.materials     = { soil };
+	for (const char* side : { "right", "bottom" })
+		addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
+	Ground<2> ground(s);
+	fillBox(
+	        ground, { 0.0, 0.0 }, { 0.5, 0.5 }, [](PointInput<2>& p) { p.temperature = -0.6; }, 1);
+	ground.initialise();
+	marchTo(ground, 0.6);
+	double settled = 0.0, aside = 0.0, ice = 0.0;
+	for (const double v : valuesOf(ground, "displacement", 1))
+		settled = std::min(settled, v);
+	for (const double v : valuesOf(ground, "displacement"))
+		aside = std::max(aside, std::abs(v));
+	for (const double v : valuesOf(ground, "iceSaturation"))
+		ice = std::max(ice, v);
+	EXPECT_EQ(ice, 0.0);
+	expectRelative("thawing cylinder: settlement of the topmost points [m]", -settled, 0.1 * 0.475, 2e-2);
+	expectSmall("thawing cylinder: largest displacement aside over it", aside / -settled, 1e-2);
 }

@@ -43,7 +43,7 @@ template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid, bool fe
 	if (fed_) liquids_.reset(std::size_t(n) * corners);
 	baseNodes_.reset(n);
 	squares_.reset(n);
-	images_ = &grid.images();
+	grid_ = &grid;
 	for (auto& faces : faces_)
 		faces.reset(n);
 	for (auto* values : { &change_, &residual_, &initial_, &direction_, &image_, &preconditioned_ })
@@ -84,10 +84,6 @@ template <int D> void ImplicitPressure<D>::allocate(const Grid<D>& grid, bool fe
 		for (int a = 0, rest = k; a < D; ++a, rest /= supportNodes)
 			within_[k] += rest % supportNodes * step_[a];
 	}
-	cellsOfRow_ = grid.cellStride(grid.slowAxis());
-	cellVolume_ = grid.cellVolume();
-	faceArea_   = grid.faceArea();
-	spacing_    = grid.spacing();
 }
 
 template <int D> void ImplicitPressure<D>::clear(const ActiveRange& range)
@@ -167,16 +163,17 @@ void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<
 		const auto              link = [&] {
                         shape.evaluate(grid, x, 0, 2 * count, w);
                         for (int k = 0; k < count; ++k)
-                                linkCell(of[k], w, 2 * k, parts, water);
+                                linkCell(of[k], w, 2 * k, parts, grid.isTurned() ? places[0] : nullptr, water);
                         count = 0;
 		};
 		for (int c = first; c < last; ++c) {
 			Cell& cell  = cells_[c];
 			cell.volume = cells.cellVolume(c);
 			if (!(cell.volume > 0.0)) continue;
-			cell.fill = std::min(1.0, cell.volume / cellVolume_);
-			findMiddle(grid, c);
-			of[count] = c;
+			cell.fill = std::min(1.0, filledBy(c));
+			findMiddle(c);
+			of[count]            = c;
+			const double measure = grid.measureAt(grid.middle(c) + grid_->spacing() * cell.middle[0]);
 			for (int a = 0; a < D; ++a) {
 				// slopes of shape functions have kinks in the middle of the cell
 				const double middle = cell.middle[a], half = std::max(0.5 * cell.fill, 0.5 - std::abs(middle)),
@@ -184,7 +181,8 @@ void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<
 				for (const int side : { 0, 1 }) {
 					const double end            = middle + (side ? half : -half);
 					parts[a][2 * count + side]  = 0.5 * std::abs(end - kink) / half;
-					places[a][2 * count + side] = grid.lower()[a] + spacing_ * (grid.place(c, a) + 0.5 + 0.5 * (kink + end));
+					places[a][2 * count + side] = grid.lower()[a] + grid_->spacing() * (grid.place(c, a) + 0.5 + 0.5 * (kink + end));
+					if (a == 0) parts[a][2 * count + side] *= grid.measureAt(places[a][2 * count + side]) / measure;
 				}
 			}
 			if (++count == atOnce) link();
@@ -194,8 +192,9 @@ void ImplicitPressure<D>::findLinks(const StepContext<D>& step, const CellMeans<
 }
 
 /// Means over the 2^D places of a cell. They are products of means over two places along each axis, those of points k and k + 1 of a block, to which
-/// these parts of the ground belong.
-template <int D> void ImplicitPressure<D>::linkCell(int c, const WeightBlock<D>& w, int k, const double (&parts)[D][blockSize], const PoreWater<D>& water)
+/// these parts of the ground belong. radius: of these places about an axis, where the divergence has S/r, too, else null.
+template <int D>
+void ImplicitPressure<D>::linkCell(int c, const WeightBlock<D>& w, int k, const double (&parts)[D][blockSize], const double* radius, const PoreWater<D>& water)
 {
 	double value[D][4] = {}, slope[D][4] = {};
 	for (int at = k; at < k + 2; ++at) {
@@ -204,6 +203,7 @@ template <int D> void ImplicitPressure<D>::linkCell(int c, const WeightBlock<D>&
 			for (int i = 0; i < supportNodes; ++i) {
 				value[a][corner / step_[a] % 4 + i] += parts[a][at] * w.value[a][i][at];
 				slope[a][corner / step_[a] % 4 + i] += parts[a][at] * w.slope[a][i][at];
+				if (radius && a == 0) slope[a][corner / step_[a] % 4 + i] += parts[a][at] / radius[at] * w.value[a][i][at];
 			}
 	}
 	double* const b = link(c);
@@ -248,12 +248,12 @@ template <int D> void ImplicitPressure<D>::tieLiquid(const StepContext<D>& step,
 }
 
 /// work(node, corner) for the nodes at the corners of a cell; bit a of a corner is set on the upper side along axis a.
-template <int D> template <class Work> void ImplicitPressure<D>::overCorners(const Grid<D>& grid, int cell, Work&& work) const
+template <int D> template <class Work> void ImplicitPressure<D>::overCorners(int cell, Work&& work) const
 {
 	for (int k = 0; k < 1 << D; ++k) {
 		int node = baseNodes_[cell];
 		for (int a = 0; a < D; ++a)
-			node += (1 + (k >> a & 1)) * grid.nodeStride(a);
+			node += (1 + (k >> a & 1)) * strides_[a];
 		work(node, k);
 	}
 }
@@ -313,7 +313,7 @@ template <int D> void ImplicitPressure<D>::findLayers(const ActiveRange& range)
 		double frozenPressure = 0.0, lowest = cell.pressure;
 		for (int a = 0; a < D; ++a)
 			for (const int side : { -1, 1 }) {
-				const double weight = side * cell.weight[a] * spacing_;
+				const double weight = side * cell.weight[a] * grid_->spacing();
 				if (const int before = wetCell(range, c, a, side); before >= 0) lowest = std::min(lowest, cells_[before].pressure - weight);
 				const double part = thawedPart(range, c, a, side);
 				if (part <= cell.part) continue;
@@ -329,13 +329,13 @@ template <int D> void ImplicitPressure<D>::findLayers(const ActiveRange& range)
 
 /// Middle of the ground of a cell, when its volume is known. A cell that is filled has it in its own middle, wherever its points lie, and what is not
 /// filled can move it by no more than half of its height.
-template <int D> void ImplicitPressure<D>::findMiddle(const Grid<D>& grid, int c)
+template <int D> void ImplicitPressure<D>::findMiddle(int c)
 {
 	Cell&        cell = cells_[c];
 	const double most = 0.5 * (1.0 - cell.fill);
 	for (int a = 0; a < D; ++a) {
-		const double place = (cell.middle[a] / cell.volume - grid.lower()[a]) * grid.inverseSpacing();
-		cell.middle[a]     = std::clamp(place - grid.place(c, a) - 0.5, -most, most);
+		const double place = (cell.middle[a] / cell.volume - grid_->lower()[a]) * grid_->inverseSpacing();
+		cell.middle[a]     = std::clamp(place - grid_->place(c, a) - 0.5, -most, most);
 	}
 }
 
@@ -353,7 +353,7 @@ template <int D> double ImplicitPressure<D>::coveredAt(const ActiveRange& range,
 	return next < range.firstCell || next >= range.lastCell ? 0.0 : faces_[axis][side > 0 ? c : next].covered;
 }
 
-template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const ActiveRange& range)
+template <int D> void ImplicitPressure<D>::findFaces(const ActiveRange& range)
 {
 	for (int a = 0; a < D; ++a)
 		range.eachCell([&](int c) {
@@ -367,8 +367,9 @@ template <int D> void ImplicitPressure<D>::findFaces(const Grid<D>& grid, const 
 			if (!(here.mobility > 0.0 && there.mobility > 0.0)) return;
 			const double from = wayFrom(here, there), to = wayFrom(there, here);
 			const double before = 0.5 - here.middle[a], behind = 0.5 + there.middle[a], farther = std::max(1.0, leastFill / (before + behind));
-			f.conductance       = faceArea_ / spacing_ * f.covered / (farther * (before / from + behind / to));
-			const double goesOn = next_[a][c] <= c ? grid.width(a) : 0.0; // behind a periodic side places go on
+			f.conductance = grid_->faceArea() / grid_->spacing() * f.covered / (farther * (before / from + behind / to))
+			        * grid_->measureOfFace(c, a);
+			const double goesOn = next_[a][c] <= c ? grid_->width(a) : 0.0; // behind a periodic side places go on
 			f.weight            = weightBetween(here, there, a, goesOn) + here.drivingExcess - there.drivingExcess;
 		});
 }
@@ -387,13 +388,12 @@ template <int D> typename ImplicitPressure<D>::Surface ImplicitPressure<D>::surf
 		pyramid += cell.fill - low * (0.5 + cell.middle[a]) - high * (0.5 - cell.middle[a]);
 	}
 	const double area = lengthOf<D>(s.area);
-	s.distance        = area > 0.0 ? pyramid / area * std::max(1.0, cell.volume / cellVolume_) : 0.0;
+	s.distance        = area > 0.0 ? pyramid / area * std::max(1.0, filledBy(c)) : 0.0;
 	return s;
 }
 
 template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step, const PoreWater<D>& water)
 {
-	const Grid<D>&     grid  = step.grid;
 	const ActiveRange& range = step.halo;
 	const double       dt = step.dt, liquidDensity = water.liquid.density;
 	lowest_ = water.settings->state.cavitationPressure;
@@ -418,7 +418,7 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 	});
 	findSquares(range);
 	findLayers(range);
-	findFaces(grid, range);
+	findFaces(range);
 	exposed_.clear();
 	for (int c = step.owned.firstCell; c < step.owned.lastCell; ++c) {
 		if (cells_[c].state == none) continue;
@@ -431,23 +431,25 @@ template <int D> void ImplicitPressure<D>::beginFlow(const StepContext<D>& step,
 
 /// Part of a surface with a normal, in or around a cell, through which water may leave: as far as nodes around the cell see open surface that faces
 /// there. A face has 2^(D-1) of them.
-template <int D> double ImplicitPressure<D>::openAt(const Grid<D>& grid, int c, const Vec<D>& outward) const
+template <int D> double ImplicitPressure<D>::openAt(int c, const Vec<D>& outward) const
 {
 	double open = 0.0;
-	overCorners(grid, c, [&](int node, int) { open += std::max(0.0, dot<D>(open_[node], outward)) / (1 << (D - 1)); });
+	overCorners(c, [&](int node, int) { open += std::max(0.0, dot<D>(open_[node], outward)) / (1 << (D - 1)); });
 	return std::min(1.0, open);
 }
 
-/// area over that of a face; distance from the middle of the ground [spacings].
-template <int D> void ImplicitPressure<D>::drainThrough(Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges) const
+/// area over that of a face; distance from the middle of the ground [spacings]. About an axis the radius is that half way.
+template <int D> void ImplicitPressure<D>::drainThrough(int c, double area, double distance, const Vec<D>& outward, double outside, bool recharges)
 {
 	if (area == 0.0) return;
-	const double way    = spacing_ * std::max(distance, 0.5 * leastFill);
+	Cell&        cell   = cells_[c];
+	const double way    = grid_->spacing() * std::max(distance, 0.5 * leastFill);
 	double       drives = cell.drivingExcess - outside;
 	for (int a = 0; a < D; ++a)
 		drives += way * cell.weight[a] * outward[a];
 	if (!recharges && !(cell.base + drives > 0.0)) return;
-	const double conductance = cell.open * faceArea_ / way * area;
+	const double measure     = grid_->measureAt(grid_->middle(c) + grid_->spacing() * cell.middle[0] + 0.5 * way * outward[0]);
+	const double conductance = cell.open * grid_->faceArea() / way * area * measure;
 	cell.drained += conductance;
 	cell.drives += conductance * drives;
 	cell.leaves += conductance * outward;
@@ -455,26 +457,25 @@ template <int D> void ImplicitPressure<D>::drainThrough(Cell& cell, double area,
 
 template <int D> void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges)
 {
-	const Grid<D>&     grid  = step.grid;
 	const ActiveRange& range = step.halo;
 	for (const SurfaceNode<D>& n : patch.nodes) {
 		const double area = lengthOf<D>(n.area);
 		if (area > 0.0) open_[n.node] = n.area / area;
 	}
 	for (const int c : exposed_) {
-		Cell& cell = cells_[c];
+		const Cell& cell = cells_[c];
 		for (int a = 0; a < D; ++a)
 			for (const int side : { -1, 1 }) {
 				if ((side > 0 ? next_ : before_)[a][c] >= 0) continue;
 				Vec<D> outward {};
 				outward[a] = side;
-				drainThrough(cell, section(cell, a, side) * openAt(grid, c, outward), 0.5 - side * cell.middle[a], outward, outside, recharges);
+				drainThrough(c, section(cell, a, side) * openAt(c, outward), 0.5 - side * cell.middle[a], outward, outside, recharges);
 			}
 		const Surface surface = surfaceIn(range, c);
 		const double  area    = lengthOf<D>(surface.area);
 		if (area == 0.0) continue;
 		const Vec<D> outward = surface.area / area;
-		drainThrough(cell, area * openAt(grid, c, outward), surface.distance, outward, outside, recharges);
+		drainThrough(c, area * openAt(c, outward), surface.distance, outward, outside, recharges);
 	}
 	for (const SurfaceNode<D>& n : patch.nodes)
 		open_[n.node] = {};
@@ -486,7 +487,7 @@ template <int D> void ImplicitPressure<D>::drain(const StepContext<D>& step, con
 template <int D> void ImplicitPressure<D>::forces(const ActiveRange& range, const double* x, NodeField<D>& force) const
 {
 	range.overNodes([&](int, int first, int last) { std::fill(force[first], force[last], 0.0); });
-	const int four = Strips::rows * cellsOfRow_, begin = range.firstCell / four, end = (range.lastCell + four - 1) / four;
+	const int four = Strips::rows * cellsOfRow(), begin = range.firstCell / four, end = (range.lastCell + four - 1) / four;
 	for (const int parity : { 0, 1 }) {
 		const int from = begin + (begin + parity) % 2;
 		ThreadPool::run(std::max(0, (end - from + 1) / 2), range.parallel ? ThreadPool::threads() : 1, [&](int k, int) {
@@ -494,7 +495,7 @@ template <int D> void ImplicitPressure<D>::forces(const ActiveRange& range, cons
 			push(std::max(range.firstCell, at), std::min(range.lastCell, at + four), x, force);
 		});
 	}
-	foldImages(*images_, D, [&](int node) { return force[node]; });
+	foldImages(grid_->images(), D, [&](int node) { return force[node]; });
 }
 
 template <int D> void ImplicitPressure<D>::push(int first, int last, const double* x, NodeField<D>& force) const
@@ -531,14 +532,14 @@ template <int D> void ImplicitPressure<D>::divergence(int first, int last, const
 	}
 }
 
-/// Flow out of a cell that pressures drive [m^D/s].
-template <int D> double ImplicitPressure<D>::flowOut(int c, const double* x) const
+/// Flow out of a cell, more than through its drained faces [m^D/s]: drives(other cell, weight on the way) [Pa].
+template <int D> template <class Drives> double ImplicitPressure<D>::flowOut(int c, double out, Drives&& drives) const
 {
-	double out = cells_[c].drained * x[c];
 	for (int a = 0; a < D; ++a) {
-		const int next = next_[a][c], before = before_[a][c];
-		if (faces_[a][c].conductance > 0.0) out += faces_[a][c].conductance * (x[c] - x[next]);
-		if (before >= 0 && faces_[a][before].conductance > 0.0) out += faces_[a][before].conductance * (x[c] - x[before]);
+		const int   before = before_[a][c];
+		const Face& ahead  = faces_[a][c];
+		if (ahead.conductance > 0.0) out += ahead.conductance * drives(next_[a][c], ahead.weight);
+		if (before >= 0 && faces_[a][before].conductance > 0.0) out += faces_[a][before].conductance * drives(before, -faces_[a][before].weight);
 	}
 	return out;
 }
@@ -561,7 +562,8 @@ template <int D> void ImplicitPressure<D>::findSquares(const ActiveRange& range)
 /// What alternates over the four cells from c on, along axes a and b; 0 if not all of them hold water.
 template <int D> double ImplicitPressure<D>::hourglass(int c, int pair, int a, int b, const double* x) const
 {
-	return c >= 0 && (squares_[c] >> pair & 1) ? x[c] - x[next_[a][c]] - x[next_[b][c]] + x[next_[b][next_[a][c]]] : 0.0;
+	if (c < 0 || !(squares_[c] >> pair & 1)) return 0.0;
+	return grid_->measureOfFace(c, 0) * (x[c] - x[next_[a][c]] - x[next_[b][c]] + x[next_[b][next_[a][c]]]);
 }
 
 /// What a cell gives to others because pressures alternate [m^D].
@@ -592,8 +594,11 @@ template <int D> void ImplicitPressure<D>::apply(const StepContext<D>& step, con
 	momentum.unfoldChanges(step.halo, moved_);
 	step.owned.overCells([&](int first, int last) {
 		divergence(first, last, moved_, y);
-		for (int c = first; c < last; ++c)
-			y[c] = cells_[c].state == none ? 0.0 : cells_[c].compliance * x[c] + dt * (y[c] + flowOut(c, x)) + checkerboard(c, x);
+		for (int c = first; c < last; ++c) {
+			const Cell& cell   = cells_[c];
+			const auto  drives = [&](int other, double) { return x[c] - x[other]; };
+			y[c] = cell.state == none ? 0.0 : cell.compliance * x[c] + dt * (y[c] + flowOut(c, cell.drained * x[c], drives)) + checkerboard(c, x);
+		}
 	});
 }
 
@@ -614,35 +619,28 @@ template <int D> void ImplicitPressure<D>::findResiduals(const StepContext<D>& s
 				const double got  = water.exchange[node][PoreWater<D>::Gathered::water];
 				if (got != 0.0) fed += liquids_[std::size_t(c) * corners + k] * got * water.nodal[node][PoreWater<D>::Driving::perLiquidMass];
 			}
-			double out = cell.drained * cell.pressure + cell.drives;
-			for (int a = 0; a < D; ++a) {
-				const int   before = before_[a][c];
-				const Face& ahead  = faces_[a][c];
-				if (ahead.conductance > 0.0) out += ahead.conductance * (cell.pressure - cells_[next_[a][c]].pressure + ahead.weight);
-				if (before >= 0 && faces_[a][before].conductance > 0.0)
-					out += faces_[a][before].conductance * (cell.pressure - cells_[before].pressure - faces_[a][before].weight);
-			}
-			const double off = cell.excess - cell.compliance * cell.pressure;
-			initial_[c]      = off + fed / water.liquid.density - dt * out - dt * image_[c];
+			const auto   drives = [&](int other, double weight) { return cell.pressure - cells_[other].pressure + weight; };
+			const double out = flowOut(c, cell.drained * cell.pressure + cell.drives, drives), off = cell.excess - cell.compliance * cell.pressure;
+			initial_[c] = off + fed / water.liquid.density - dt * out - dt * image_[c];
 		}
 	});
 }
 
 /// Conductance by the inertia of the ground between a cell and the next one along an axis: what its face moves in the step [m^D/Pa], eq. (7.10).
-template <int D> double ImplicitPressure<D>::movedAcross(const Grid<D>& grid, int c, int axis) const
+template <int D> double ImplicitPressure<D>::movedAcross(int c, int axis) const
 {
-	double gives = 0.0;
-	overCorners(grid, c, [&](int node, int corner) {
+	const double area  = grid_->faceArea() * grid_->measureOfFace(c, axis);
+	double       gives = 0.0;
+	overCorners(c, [&](int node, int corner) {
 		if (corner >> axis & 1) gives += response_[node][axis];
 	});
-	return faceArea_ * faceArea_ * cells_[c].fill * cells_[next_[axis][c]].fill * gives / (1 << (D - 1));
+	return area * area * cells_[c].fill * cells_[next_[axis][c]].fill * gives / (1 << (D - 1));
 }
 
 /// The matrix of the preconditioner. A pressure that is the same in all cells moves the ground at its surface only; what it moves there is stored.
 template <int D> void ImplicitPressure<D>::findPreconditioner(const StepContext<D>& step, const MomentumSolver<D>& momentum)
 {
-	const Grid<D>& grid = step.grid;
-	const double   dt   = step.dt;
+	const double dt = step.dt;
 	// the states of the halo are those at the start of the step
 	step.owned.eachCell([&](int c) { direction_[c] = cells_[c].state == wet ? 1.0 : 0.0; });
 	Multigrid::share(step, direction_);
@@ -656,7 +654,7 @@ template <int D> void ImplicitPressure<D>::findPreconditioner(const StepContext<
 		for (int a = 0; a < D; ++a)
 			// without the faces of periodic sides: iterations find what these do
 			if (hasNext(step.halo, c, a) && next_[a][c] > c && direction_[next_[a][c]] != 0.0)
-				m.conductance[a] = dt * (faces_[a][c].conductance + movedAcross(grid, c, a));
+				m.conductance[a] = dt * (faces_[a][c].conductance + movedAcross(c, a));
 	});
 	multigrid_.build(step);
 }
@@ -676,7 +674,7 @@ template <int D> template <class Work> double ImplicitPressure<D>::sumOfStrips(c
 /// Over the cells that hold water.
 template <int D> template <class Value> double ImplicitPressure<D>::sum(const StepContext<D>& step, Value&& value)
 {
-	const int cells = Strips::rows * cellsOfRow_;
+	const int cells = Strips::rows * cellsOfRow();
 	return sumOfStrips(step, [&](int strip) {
 		double part = 0.0;
 		for (int c = std::max(step.owned.firstCell, strip * cells); c < std::min(step.owned.lastCell, (strip + 1) * cells); ++c)
@@ -774,7 +772,7 @@ template <int D> void ImplicitPressure<D>::findSeepage(const ActiveRange& range,
 		for (int a = 0; a < D; ++a) {
 			const double behind  = before_[a][c] >= 0 ? faces_[a][before_[a][c]].moved : 0.0;
 			const double through = cell.drained > 0.0 ? cell.out * cell.leaves[a] / cell.drained : 0.0;
-			cell.flows[a]        = 0.5 * (faces_[a][c].moved + behind + through) * spacing_ * liquidDensity / (dt * cell.liquidMass);
+			cell.flows[a]        = 0.5 * (faces_[a][c].moved + behind + through) * grid_->spacing() * liquidDensity / (dt * cell.liquidMass);
 		}
 	});
 }
@@ -796,7 +794,7 @@ template <int D> void ImplicitPressure<D>::solve(const StepContext<D>& step, Mom
 	momentum.findResponse(step.halo, motion, water, dt, response_);
 	const double mass   = sumOfNodes(step, [&](int i) { return motion.nodes[i][motion.massAt] + water.nodes[i][PoreWater<D>::massAt]; });
 	const double volume = sumOfNodes(step, [&](int i) { return water.nodes[i][PoreWater<D>::volumeAt]; });
-	checkerboard_       = volume > 0.0 ? checkerboardPart * dt * dt * cellVolume_ / (spacing_ * spacing_ * mass / volume) : 0.0;
+	checkerboard_       = volume > 0.0 ? checkerboardPart * dt * dt * grid_->cellVolume() / (grid_->spacing() * grid_->spacing() * mass / volume) : 0.0;
 	findResiduals(step, motion, water);
 	double goal = 0.0;
 	for (int round = 0; round < mostRounds; ++round) {

@@ -107,7 +107,8 @@ private:
 	double*       link(int cell) { return links_.data() + std::size_t(cell) * corners * D; }
 	const double* link(int cell) const { return links_.data() + std::size_t(cell) * corners * D; }
 	bool          hasNext(const ActiveRange& range, int cell, int axis) const { return next_[axis][cell] >= 0 && next_[axis][cell] < range.lastCell; }
-	void          linkCell(int cell, const WeightBlock<D>& w, int k, const double (&parts)[D][blockSize], const PoreWater<D>& water);
+	void          linkCell(int cell, const WeightBlock<D>& w, int k, const double (&parts)[D][blockSize], const double* radius, const PoreWater<D>& water);
+	double        filledBy(int cell) const { return cells_[cell].volume / (grid_->cellVolume() * grid_->measureOfCell(cell)); } ///< of a cell [-]
 	void          foldLinks(int cell, const double* volumes, const PoreWater<D>& water);
 	/// Place of a node among the corners of a cell.
 	int           cornerOf(int cell, int node) const;
@@ -116,34 +117,35 @@ private:
 	int           wetCell(const ActiveRange& range, int cell, int axis, int by) const;
 	double        thawedPart(const ActiveRange& range, int cell, int axis, int side) const;
 	void          findLayers(const ActiveRange& range);
-	void          findMiddle(const Grid<D>& grid, int cell);
+	void          findMiddle(int cell);
 	double        section(const Cell& cell, int axis, int side) const;
 	double        coveredAt(const ActiveRange& range, int cell, int axis, int side) const;
-	void          findFaces(const Grid<D>& grid, const ActiveRange& range);
+	void          findFaces(const ActiveRange& range);
 	/// Surface of the ground in a cell: its area vector over the area of a face, and how far it lies from the middle of the ground, in spacings.
 	struct Surface {
 		Vec<D> area;
 		double distance;
 	};
 	Surface                    surfaceIn(const ActiveRange& range, int cell) const;
-	double                     openAt(const Grid<D>& grid, int cell, const Vec<D>& outward) const;
-	void                       drainThrough(Cell& cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges) const;
-	template <class Work> void overCorners(const Grid<D>& grid, int cell, Work&& work) const;
+	double                     openAt(int cell, const Vec<D>& outward) const;
+	void                       drainThrough(int cell, double area, double distance, const Vec<D>& outward, double outside, bool recharges);
+	template <class Work> void overCorners(int cell, Work&& work) const;
 	/// Force of pressures on the nodes.
 	void                          forces(const ActiveRange& range, const double* x, NodeField<D>& force) const;
 	TALIK_PROCESSOR_VERSIONS void push(int first, int last, const double* x, NodeField<D>& force) const;
 	/// sum B v of cells with water, of velocities that follow each other in memory.
 	TALIK_PROCESSOR_VERSIONS void divergence(int first, int last, const NodeField<D>& values, double* sums) const;
 	/// y of the cells of this rank, from x of those around them, too.
-	void   apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y);
-	double flowOut(int cell, const double* x) const;
-	double checkerboard(int cell, const double* x) const;
-	double hourglass(int cell, int pair, int a, int b, const double* x) const;
-	void   findSquares(const ActiveRange& range);
-	void   findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water);
-	double movedAcross(const Grid<D>& grid, int cell, int axis) const;
-	void   findSeepage(const ActiveRange& range, double dt, double liquidDensity);
-	void   findPreconditioner(const StepContext<D>& step, const MomentumSolver<D>& momentum);
+	void                           apply(const StepContext<D>& step, const MomentumSolver<D>& momentum, const double* x, double* y);
+	int                            cellsOfRow() const { return grid_->cellStride(grid_->slowAxis()); }
+	template <class Drives> double flowOut(int cell, double out, Drives&& drives) const;
+	double                         checkerboard(int cell, const double* x) const;
+	double                         hourglass(int cell, int pair, int a, int b, const double* x) const;
+	void                           findSquares(const ActiveRange& range);
+	void                           findResiduals(const StepContext<D>& step, SolidMotion<D>& motion, const PoreWater<D>& water);
+	double                         movedAcross(int cell, int axis) const;
+	void                           findSeepage(const ActiveRange& range, double dt, double liquidDensity);
+	void                           findPreconditioner(const StepContext<D>& step, const MomentumSolver<D>& momentum);
 	/// Temperature of the water that a cell gives to the next one along an axis (step 1) or to the one before (-1): second order where it changes
 	/// evenly, and never beyond both cells [degC].
 	double                        givenTemperature(const ActiveRange& range, int cell, int axis, int step) const;
@@ -167,7 +169,6 @@ private:
 	std::array<int, D>                byStride_ {};          ///< axes, the slowest first
 	std::array<int, D>                strides_ {}, step_ {}; ///< from a node to the next one along an axis, on the grid and among the corners
 	std::array<int, corners / 4>      rowOffset_ {};
-	int                               cellsOfRow_ = 1;
 	PagedArray<double>                change_, residual_, initial_, direction_, image_, preconditioned_;
 	Multigrid                         multigrid_;
 	NodeField<D>                      response_, force_, moved_;
@@ -175,11 +176,11 @@ private:
 	std::vector<int>                  exposed_; ///< cells with a face without ground behind it
 	std::vector<double>               partial_;
 	double                            checkerboard_ = 0.0; ///< storage that only alternating pressures have [m^D/Pa]
-	double                            cellVolume_ = 0.0, faceArea_ = 0.0, spacing_ = 0.0, lowest_ = 0.0; ///< lowest_: cavitation pressure [Pa]
+	double                            lowest_       = 0.0; ///< cavitation pressure [Pa]
 	std::array<double*, D>            velocity_, acceleration_;
 	std::array<PagedArray<double>, D> startVelocity_; ///< of the ground of points at the start of the step [m/s]
-	bool                              fed_    = false;
-	const std::vector<NodeImage>*     images_ = nullptr; ///< nodes that periodic sides repeat
+	bool                              fed_  = false;
+	const Grid<D>*                    grid_ = nullptr;
 };
 
 } // namespace talik

@@ -36,6 +36,7 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	volume_ = points.volume();
 	for (int a = 0; a < D; ++a)
 		position_[a] = points.position(a);
+	radius_             = grid.isTurned() ? position_[0] : nullptr;
 	waterMass_          = waterMass;
 	iceMass_            = iceMass;
 	temperature_        = temperature;
@@ -44,6 +45,7 @@ void PoreWater<D>::bind(MaterialPoints<D>& points, const Grid<D>& grid, const do
 	open_.assign(grid.nodeCount(), 0);
 	exchange.shareColumns(solved, Gathered::velocity);
 	none_.assign(blockSize, 0.0);
+	once_.assign(blockSize, 1.0);
 	perHalfCell_ = 2.0 * grid.faceArea() * grid.inverseSpacing();
 	if (iceMass_) fills_.reset(points.capacity());
 }
@@ -192,15 +194,12 @@ template <int D> void PoreWater<D>::map(const WeightBlock<D>& w, const CellMeans
 {
 	double driving[blockSize], height[blockSize];
 	for (int k = 0; k < w.count; ++k) {
-		driving[k] = pressure[w.first + k];
-		height[k]  = potential(w.first + k);
+		// what seeps is handed out evenly within a cell, and rises or sinks by the middle of the cell's liquid
+		const int   p    = w.first + k;
+		const Cell* cell = cells ? &cells_[cells->cell(p)] : nullptr;
+		driving[k]       = cell ? cell->driving : pressure[p];
+		height[k]        = cell ? cell->height : potential(p);
 	}
-	// what seeps is handed out evenly within a cell, and rises or sinks by the middle of the cell's liquid
-	if (cells)
-		for (int k = 0; k < w.count; ++k) {
-			driving[k] = cells_[cells->cell(w.first + k)].driving;
-			height[k]  = cells_[cells->cell(w.first + k)].height;
-		}
 	double values[Liquid::size][blockSize];
 	for (int i = Liquid::numbers; i < Liquid::size; ++i)
 		std::fill_n(values[i], w.count, 0.0);
@@ -393,7 +392,7 @@ template <int D> void PoreWater<D>::findFaces(const Grid<D>& grid, const ActiveR
 			if (next < 0 || next >= range.lastCell) return;
 			const double here = freezing_[c].reached, there = freezing_[next].reached;
 			if (!(here > 0.0 && there > 0.0)) return;
-			face.conductance = perSpacing * 2.0 * here * there / (here + there);
+			face.conductance = perSpacing * 2.0 * here * there / (here + there) * grid.measureOfFace(c, a);
 			face.flow        = face.conductance * (cells_[c].driving - cells_[next].driving + weight[a] * grid.spacing());
 		});
 }
@@ -488,7 +487,7 @@ template <int D> void PoreWater<D>::finishCells(const StepContext<D>& step)
 
 template <int D> Vec<D> PoreWater<D>::remainingVelocity(int p, const Cell& cell, double most, const std::array<double*, D>& solidVelocity) const
 {
-	if (isStuck(cell)) return ofPoint<D>(solidVelocity, p);
+	if (isStuck(cell, p)) return ofPoint<D>(solidVelocity, p);
 	const double part = -most / cell.exchange[Gathered::water];
 	return (ofPoint<D>(velocity, p) + part * vectorAt<D>(cell.exchange + Gathered::momentum)) / (1.0 - most);
 }
@@ -500,7 +499,7 @@ Vec<D> PoreWater<D>::receive(const CellMeans<D>& cells, int first, int last, dou
 	Vec<D>       lost {};
 	for (int p = first; p < last; ++p) {
 		const Cell&  cell      = cells_[cells.cell(p)];
-		const bool   runsDry   = isStuck(cell) || cell.exchange[Gathered::water] < -most;
+		const bool   runsDry   = isStuck(cell, p) || cell.exchange[Gathered::water] < -most;
 		const Vec<D> remaining = runsDry ? remainingVelocity(p, cell, most, solidVelocity) : Vec<D>();
 		take(p, cell.exchange, cell.dilution, waterMass, enthalpy);
 		if (!runsDry) continue;
@@ -536,12 +535,13 @@ void PoreWater<D>::findShares(int first, int count, const double* excess, const 
 	const double* const ice    = iceMass_ + first;
 	const double* const volume = volume_ + first;
 	const double* const drags  = drag + first;
+	const double* const radius = radius_ ? radius_ + first : once_.data();
 	const double        flow = dt * perHalfCell_, square = liquid.density * liquid.density, perStep = 1.0 / dt, lowest = settings->state.cavitationPressure;
 	const double        most    = largestLoss / liquid.density;
 	constexpr double    nothing = std::numeric_limits<double>::min();
 #pragma GCC ivdep
 	for (int k = 0; k < count; ++k) {
-		const double mass = water[k] - ice[k], moves = flow * mass * mass;
+		const double mass = water[k] - ice[k], moves = flow * radius[k] * mass * mass;
 		// the drag, and the inertia of what has to be moved within the step
 		const double resists = compliance[k] * square * volume[k] * (drags[k] + mass * perStep);
 		const double over    = excess[k] - compliance[k] * lowest;

@@ -212,7 +212,7 @@ private:
 		double conductance, flow;
 	};
 	/// True if far more water flows through a cell than it holds.
-	bool isStuck(const Cell& cell) const { return cell.liquidMass < stuckMass_; }
+	bool isStuck(const Cell& cell, int p) const { return cell.liquidMass < stuckMass_ * (radius_ ? radius_[p] : 1.0); }
 	/// Velocity of what stays in a cell that runs dry; call before take(). Water that leaves takes the velocity of the nodes along. What
 	/// stays would be left with the difference and become ever faster, without bound. Its velocity changes as if no more than the share
 	/// `most` had left, which the points' approach to the nodes' velocity makes up for. The last water moves with its grains.
@@ -262,7 +262,8 @@ private:
 	std::vector<char>            open_;                 ///< nodes through whose surface water may cross in this step
 	std::array<const double*, D> position_ {};
 	const double *               volume_ = nullptr, *waterMass_ = nullptr, *iceMass_ = nullptr, *temperature_ = nullptr;
-	std::vector<double>          none_; ///< zeros, in place of the fields of absent effects
+	const double*                radius_ = nullptr; ///< of points about an axis, null in the plane
+	std::vector<double>          none_, once_;      ///< zeros and ones, in place of the fields of absent effects
 };
 
 } // namespace talik

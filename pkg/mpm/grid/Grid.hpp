@@ -52,6 +52,9 @@ public:
 		return work([](double) { return 1.0; });
 	}
 	double measureAt(double x) const { return turned_ ? x : 1.0; }
+	/// The same at the middle of a cell, and at the face between a cell and the next one along an axis.
+	double measureOfCell(int cell) const { return turned_ ? middle(cell) : 1.0; }
+	double measureOfFace(int cell, int axis) const { return turned_ && axis == 0 ? middle(cell) + 0.5 * spacing_ : measureOfCell(cell); }
 	/// Middle of a cell along the first axis [m].
 	double middle(int cell) const { return lower_[0] + (place(cell, 0) + 0.5) * spacing_; }
 

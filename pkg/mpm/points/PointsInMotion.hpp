@@ -20,12 +20,13 @@ template <int D> struct PointsInMotion {
 	double* addedStress; ///< added to each normal stress by the momentum balance [Pa], tension positive; null: see Effect::addsStress()
 	std::array<const double*, D> displacement;  ///< since the start [m]
 	const double*                initialVolume; ///< at the start [m^D]
+	const double*                hoop;          ///< direct strain of the step around the axis [-]; null: there is no axis
 
 	/// Of the displacement gradient of a point: its volumetric strain in the step [-].
 	double trace(int place) const
 	{
-		double sum = gradient[0][place];
-		for (int a = 1; a < D; ++a)
+		double sum = hoop ? hoop[place] : 0.0;
+		for (int a = 0; a < D; ++a)
 			sum += gradient[a * D + a][place];
 		return sum;
 	}

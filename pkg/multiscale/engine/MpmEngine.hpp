@@ -162,8 +162,8 @@ public:
 				"gravity of three components says 3 to talik.geometry.fill."))
 		((bool,axisymmetric,false,,"The plane turns about x=0: x is the radius, y the axis, and all quantities are those of a radian. The box lies at x >= 0; where "
 				"it reaches the axis a RollerBoundary is there. The volume of a point is that in the plane [m^2], in addPoints, talik.geometry.fill and field volume; the "
-				"engine multiplies it by the radius. field('strain') has six components, as in space. Refused with implicit pressure, water that freezes, thawFront, "
-				"segregation, bodies, thawStrain, effects and RveSkeleton."))
+				"engine multiplies it by the radius. field('strain') has six components, as in space. Refused with thawFront, segregation, "
+				"pointsDivide, bodies, effects and RveSkeleton."))
 		((GroundVector,lower,NaN,,"Lower corner of the grid's box [m], two components, three in space; its sides are where boundaries act. NaN: around the points."))
 		((GroundVector,upper,NaN,,"Upper corner of the grid's box [m], a whole number of spacings away. NaN: around the points."))
 		((bool,motion,true,,"Effect: the ground moves. False: it is rigid, and only heat limits the time step."))
