@@ -447,6 +447,7 @@ TEST(MpmGround, AboutAnAxisRefusesWhatHasNoRadiusInASentence)
 	EXPECT_NAMES(said([](GroundSettings<2>& s) { s.lower[0] = -1.0; }), "lower.x = -1");
 	EXPECT_EQ(said([](GroundSettings<2>& s) { s.water.emplace(); }), "accepted");
 	EXPECT_EQ(said([](GroundSettings<2>& s) { s.water.emplace().implicit = true; }), "accepted");
+	EXPECT_NAMES(said([](GroundSettings<2>& s) { s.segregation.emplace(); }), "segregation");
 	EXPECT_NAMES(said([](GroundSettings<2>& s) { s.bodies.emplace(); }), "bodies");
 	EXPECT_NAMES(with(Traction<2>(left, 1e3)), "axis has no area");
 	EXPECT_NAMES(with(PeriodicBoundary<2>(Region<2>::side("right"))), "PeriodicBoundary");
