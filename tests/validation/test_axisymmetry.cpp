@@ -282,11 +282,11 @@ TEST(Axisymmetry, SteadyFlowToAWellFollowsThiem)
 TEST(Axisymmetry, AWellDrawsDownTheLayerAsTheis)
 {
 	citing("Theis 1935");
-	const double a = 0.1, flux = 1e-2, pressure = 1e5;
+	const double a = 0.1, flux = 1e-2, pressure = 1e5, t = 0.4;
 	for (const bool implicit : { false, true }) {
-		const double young = implicit ? 5e8 : 1e9, t = implicit ? 0.2 : 0.4;
-		auto         s    = aquifer({ a, implicit ? 8.1 : 10.1, 0.1, implicit ? 2 : 1 }, 1e-3, young);
-		s.water->implicit = implicit;
+		const double young = implicit ? 5e8 : 1e9;
+		auto         s     = aquifer({ a, implicit ? 8.1 : 10.1, 0.1, implicit ? 2 : 1 }, 1e-3, young);
+		s.water->implicit  = implicit;
 		addBoundary<WaterFlux<2>>(s, Region<2>::side("left"), -flux);
 		Ground<2> ground = filled(s, [&](PointInput<2>& p) { p.pressure = pressure; });
 		marchTo(ground, t);

@@ -59,7 +59,7 @@ comparedByHand = (
 	"frost_heave_column",
 	"chilled_pipeline",
 )
-measured = ("heave_test", "borehole_years", "burned_tundra", "field_slope", "retrogressive_slump")  # held against the ground
+measured = ("heave_test", "borehole_years", "burned_tundra", "field_slope", "retrogressive_slump", "thawing_block")  # held against the ground
 withoutKnob = ("melting_column", *comparedByHand, "thaw_slump_bowl", "centrifuge_slopes", "slope_at_risk", *measured)
 
 
