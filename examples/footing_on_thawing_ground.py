@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A footing stands on frozen ground that thaws from its surface, and settles.
 
-	scripts/run footing_on_thawing_ground [--preset test|draft|standard]
+	scripts/run footing_on_thawing_ground [--preset test|draft|standard] [--cohesion 1500] [--friction 20] [--young 8e6] [--start -2] [--surface 10]
 
 The footing is an ordinary Box of YADE that falls under its own weight; the ground is material points whose cohesion and
 stiffness follow the ice (MohrCoulombSkeleton). What can be checked: before the thaw and after it the footing is at rest and the
-force that the ground gives it, O.forces.f(id), is its weight within 1 %. Ground and boundaries are ours. Change the footing's
-size or density, or the cohesion that thawed ground keeps, first.
+force that the ground gives it, O.forces.f(id), is its weight within 1 %. Ground and boundaries are ours. Give your soil;
+change the footing's size or density first.
 """
 
 import argparse
@@ -47,17 +47,23 @@ def build(preset):
 		upper=(width, depth + 1),
 		gravity=(0, -9.81),
 		damping=0.5,
-		skeleton=wrapper.MohrCoulombSkeleton(young=8e6, youngFrozen=60e6, cohesion=1.5e3, cohesionFrozen=300e3, frictionAngle=20),
+		skeleton=wrapper.MohrCoulombSkeleton(
+			young=options.young, youngFrozen=60e6, cohesion=options.cohesion, cohesionFrozen=300e3, frictionAngle=options.friction
+		),
 		heat=wrapper.HeatTransfer(thermalTimeScale=thermalTimeScale),
 		freezing=wrapper.FreezingCurve(curve="gauss", width=0.5),
 		bodies=wrapper.BodyContact(),
 	)
-	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, width, depth), temperature=-2)
+	talik.geometry.fill(mpm, talik.geometry.rectangle(0, 0, width, depth), temperature=options.start)
 	mpm.boundaries = [
 		wrapper.RollerBoundary(region="left"),
 		wrapper.RollerBoundary(region="right"),
 		wrapper.FixedBoundary(region="bottom"),
-		wrapper.SurfaceTemperature(region="surface", times=[restTime * thermalTimeScale, (restTime + warmingTime) * thermalTimeScale], values=[-2, 10]),
+		wrapper.SurfaceTemperature(
+			region="surface",
+			times=[restTime * thermalTimeScale, (restTime + warmingTime) * thermalTimeScale],
+			values=[options.start, options.surface],
+		),
 	]
 	O.engines = [wrapper.ForceResetter(), mpm, wrapper.NewtonIntegrator(gravity=(0, -9.81, 0), damping=0.4)]
 	O.step()  # sets O.dt
@@ -108,7 +114,15 @@ def draw(record, weight, path):
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--preset", default="draft", choices=sorted(presets), help="size of the job")
 parser.add_argument("--output", default="output/footing_on_thawing_ground", help="folder for the results")
+parser.add_argument("--cohesion", type=float, default=1.5e3, help="of thawed ground [Pa], 0 to 3e5")
+parser.add_argument("--friction", type=float, default=20.0, help="friction angle [degrees], 10 to 45")
+parser.add_argument("--young", type=float, default=8e6, help="Young's modulus of thawed ground [Pa], 1e5 to 6e7")
+parser.add_argument("--start", type=float, default=-2.0, help="temperature of the frozen ground [degC], -20 to 0")
+parser.add_argument("--surface", type=float, default=10.0, help="temperature of the warm surface [degC], 0 to 40")
 options = parser.parse_args()
+for name, lowest, highest in (("cohesion", 0, 3e5), ("friction", 10, 45), ("young", 1e5, 6e7), ("start", -20, 0), ("surface", 0, 40)):
+	if not lowest < getattr(options, name) < highest:
+		raise SystemExit(f"--{name.replace('_', '-')} {getattr(options, name):g}: give a number between {lowest:g} and {highest:g}")
 folder, preset = writableFolder(Path(options.output)), presets[options.preset]
 
 mpm, block = build(preset)

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A retaining wall before saturated backfill that freezes in two winters: its thrust over the days, from air temperatures in a CSV file.
 
-	scripts/run retaining_wall [--preset test|draft|standard] [--weather station.csv]
+	scripts/run retaining_wall [--preset test|draft|standard] [--weather station.csv] [--porosity 0.35] [--friction 33] [--at-rest 0.5]
+		[--solid-conductivity 2.5] [--start 6]
 
 The wall is a box of YADE that does not move, of concrete, with the air on its other side. By hand: before the frost the thrust is that at
 rest, K_0 gamma' H^2/2 and that of the water, gamma_w H^2/2. Frost reaches the depth d = sqrt((R k)^2 + 2 k I/L) - R k behind the wall and below the
 surface, with the thermal resistance R of wall or air, the freezing index I of the air (degree seconds), conductivity k and latent heat L of
 the backfill; the heat that the backfill holds is left out, so less of it freezes. The backfill grows by what its water grows
 as it freezes, n S_i (rho_l/rho_i - 1) times the frozen area, if none of it leaves. No calculation by hand is known for the thrust in winter.
-Change the air, the thickness of the wall or the conductivity of the backfill first.
+Give your air and backfill; change the thickness of the wall first.
 """
 
 import argparse
@@ -27,15 +28,23 @@ parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--preset", default="draft", choices=("test", "draft", "standard"), help="size of the job")
 parser.add_argument("--weather", default=str(Path(sys.argv[0]).with_suffix(".csv")), help="series of time [s] and air temperature [degC]")
 parser.add_argument("--output", default="output/retaining_wall", help="folder for the results")
+parser.add_argument("--porosity", type=float, default=0.35, help="of the backfill, filled with water [-], 0.1 to 0.7")
+parser.add_argument("--friction", type=float, default=33.0, help="friction angle of the backfill [degrees], 10 to 45")
+parser.add_argument("--at-rest", type=float, default=0.5, help="K_0, effective horizontal over vertical stress at rest [-], 0.2 to 1")
+parser.add_argument("--solid-conductivity", type=float, default=2.5, help="thermal, of the grains [W/(m K)], 0.2 to 8")
+parser.add_argument("--start", type=float, default=6.0, help="temperature of the backfill in autumn [degC], 0 to 30")
 options = parser.parse_args()
+for name, lowest, highest in (("porosity", 0.1, 0.7), ("friction", 10, 45), ("at_rest", 0.2, 1), ("solid_conductivity", 0.2, 8), ("start", 0, 30)):
+	if not lowest < getattr(options, name) < highest:
+		raise SystemExit(f"--{name.replace('_', '-')} {getattr(options, name):g}: give a number between {lowest:g} and {highest:g}")
 folder = writableFolder(options.output)
 
 # days of calendar time, scale of time [-], grid spacing [m]
 lastDay, scale, h = {"test": (200, 4e7, 0.25), "draft": (720, 1e7, 0.25), "standard": (720, 5e6, 0.125)}[options.preset]
 height, width, thickness = 2.0, 4.0, 0.3  # of the backfill and of the wall [m]
-porosity, atRest, start, surfaceCoefficient = 0.35, 0.5, 6.0, 15.0  # n, K_0, temperature [degC], h_c [W/(m2 K)]
+porosity, atRest, surfaceCoefficient = options.porosity, options.at_rest, 15.0  # n, K_0, h_c [W/(m2 K)]
 times, air = weather.airTemperature(options.weather)
-soil = GroundMaterial(name="backfill", solidConductivity=2.5)
+soil = GroundMaterial(name="backfill", solidConductivity=options.solid_conductivity)
 resistance = thickness / 1.7 + 1 / surfaceCoefficient  # concrete of 1.7 W/(m K), and the air before it [m2 K/W]
 
 concrete = O.materials.append(FrictMat(frictionAngle=0.0))
@@ -51,7 +60,7 @@ mpm = MpmEngine(
 	heat=HeatTransfer(thermalTimeScale=scale),
 	freezing=FreezingCurve(width=0.3),
 	water=PoreWater(conductivity=1e-5),
-	skeleton=MohrCoulombSkeleton(young=2e7, youngFrozen=2e8, frictionAngle=33, cohesion=500, cohesionFrozen=5e5, tensileStrengthFrozen=3e5),
+	skeleton=MohrCoulombSkeleton(young=2e7, youngFrozen=2e8, frictionAngle=options.friction, cohesion=500, cohesionFrozen=5e5, tensileStrengthFrozen=3e5),
 	boundaries=[
 		RollerBoundary(region="right"),
 		FixedBoundary(region="bottom"),
@@ -60,7 +69,7 @@ mpm = MpmEngine(
 		BodyTemperature(bodies=[wall], resistance=resistance, times=times, values=air),
 	],
 )
-backfill = dict(polygon=talik.geometry.rectangle(0, 0, width, height), porosity=porosity, temperature=start, pressure=lambda x, y: 9810 * (height - y))
+backfill = dict(polygon=talik.geometry.rectangle(0, 0, width, height), porosity=porosity, temperature=options.start, pressure=lambda x, y: 9810 * (height - y))
 talik.layers.fill(mpm, {"backfill": backfill}, lateralRatio=atRest)
 O.engines = [ForceResetter(), mpm, NewtonIntegrator()]
 places = {"behind the wall": (0.1, height / 2), "below the surface": (width / 2, height - 0.1)}

@@ -297,12 +297,17 @@ def test_import_talik_loads_none_of_its_tools_and_no_package(tmp_path):
 		"chilled_pipeline --segregation-potential 5e-9",
 		"thaw_settlement_column --porosity 0.5 --thawed-porosity 0.45 --surface 12",
 		"slope_at_risk --runs 2 --cohesion 8000 --surface 10",
+		"footing_on_thawing_ground --cohesion 5000 --friction 28 --surface 4",
+		"retaining_wall --porosity 0.45 --friction 28 --start 3",
+		"ice_rich_layer --silt-porosity 0.5 --porosity 0.6 --thawed-porosity 0.45 --surface 12",
 	],
 )
 def test_an_example_with_another_soil_ends_well_whatever_comes_out_slow(copy, tmp_path):
 	"""Its calculations by hand judge it in the tests of Talik only (TALIK_JUDGES)."""
 	name, *arguments = copy.split()
-	shutil.copy(Path(__file__).resolve().parents[2] / "examples" / f"{name}.py", tmp_path / "mine.py")
+	for file in (Path(__file__).resolve().parents[2] / "examples").glob(f"{name}.*"):
+		if file.suffix in (".py", ".csv"):
+			shutil.copy(file, tmp_path / f"mine{file.suffix}")
 	environment = {variable: value for variable, value in os.environ.items() if variable != "TALIK_JUDGES"}
 	command = ["yade", "-n", "-x", "-j1", "mine.py", "--preset", "test", *arguments]
 	run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600, env=environment)

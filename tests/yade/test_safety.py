@@ -147,9 +147,9 @@ def test_the_infinite_slope_counts_pore_pressure_ratio_and_excess_pressure_as_by
 @pytest.mark.parametrize("pores", ["dry", "seepage", "drained", "thaw"])
 def test_a_column_of_an_infinite_slope_has_the_factor_of_shear_without_dilation(pores):
 	"""Two metres of thawed ground, dry, with seepage along the slope, with PoreWater that has drained, and with the excess pressure of thaw at a consolidation
-	ratio of 0.5 (McRoberts and Morgenstern 1974), with twice the cells: half the strength is left, and the same error is twice the part of it. A layer that shears without dilation, with equal
-	normal stresses along and across it, yields at sigma' sin(phi) + c cos(phi) (Davis 1968), below the textbook's sigma' tan(phi) + c. A quarter of the
-	lowest of eight cells does not slide: 3 %.
+	ratio of 0.5 (McRoberts and Morgenstern 1974), with twice the cells: half the strength is left, and the same error is twice the part of it. A layer that
+	shears without dilation, with equal normal stresses along and across it, yields at sigma' sin(phi) + c cos(phi) (Davis 1968), below the textbook's
+	sigma' tan(phi) + c. A quarter of the lowest of eight cells does not slide: 3 %.
 	"""
 	wet = pores in ("seepage", "thaw")
 	angle, phi, c, thickness, h = 20.0, 30.0, 4e3, 2.0, 0.125 if pores == "thaw" else 0.25
