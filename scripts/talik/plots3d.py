@@ -62,10 +62,12 @@ def slope(axes, frame, field, lower, upper, stripped=None, bodies=(), view=viewF
 	if field in symmetric and limits is None and low < 0 < high:
 		low, high = -max(-low, high), max(-low, high)
 	norm = Normalize(low, max(high, low + 1e-12))
-	vertices, triangles, shown, bare = _surface(frame, values, lower, upper, stripped)
+	vertices, triangles, shown, bare, cut = _surface(frame, values, lower, upper, stripped)
 	colours = colourMap(norm(shown))[:, :3]
-	colours[bare > 0.02], colours[bare > 0.98] = to_rgb(cutColour), to_rgb(frozenColour)
+	colours[bare] = to_rgb(frozenColour)
 	parts = [_mesh(vertices, triangles, colours)]
+	if len(cut):
+		parts.append(_mesh(vertices, cut, np.tile(to_rgb(cutColour), (len(vertices), 1))))
 	corners, faces = bodiesOfScene.mesh(bodies)
 	if len(faces):
 		parts.append(_mesh(corners, faces, np.tile(to_rgb(bodyColour), (len(corners), 1))))
@@ -110,8 +112,7 @@ def section(axes, frame, field, y, lower, upper, limits=None, label=None, colour
 
 
 def _surface(frame, values, lower, upper, stripped):
-	"""(vertices (n, 3), triangles (m, 3), value (n,) at the vertices, bare (n,): 1 where only frozen ground is shown, between 0 and 1 on
-	the cut)."""
+	"""(vertices (n, 3), triangles (m, 3), value (n,) at the vertices, bare (n,): whether only frozen ground is shown, triangles (k, 3) of the cut)."""
 	raster = SpaceRaster(frame["position"], frame["volume"], lower, upper)
 	filled = raster.smeared(1.0)
 	mean = lambda field: raster.smeared(field) / np.maximum(filled, 1e-12)
@@ -120,7 +121,12 @@ def _surface(frame, values, lower, upper, stripped):
 		bare[:, raster.nodes(1) < stripped] = 1
 		level = np.where(bare > 0, np.minimum(level, mean(frame["iceSaturation"]) / frontSaturation), level)
 	vertices, triangles, (shown, bare) = raster.contour(level, 1.0, [mean(values), bare])
-	return vertices, triangles, shown, bare
+	cut = np.zeros(len(triangles), dtype=bool)
+	if bare.any() and not bare.all():  # between the last row that is stripped and the next the surface is a stair: it becomes a plane
+		last = raster.nodes(1)[raster.nodes(1) < stripped][-1]
+		between = np.abs(vertices[:, 1] - last - 0.5 * raster.step[1]) < 0.501 * raster.step[1]
+		vertices[between, 1], cut = stripped, between[triangles].all(axis=1)
+	return vertices, triangles[~cut], shown, bare > 0.5, triangles[cut]
 
 
 # --- sample ----------------------------------------------------------------------------------------------------------------

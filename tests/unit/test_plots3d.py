@@ -35,18 +35,23 @@ def folder(tmp_path):
 
 def test_the_surface_drawn_encloses_the_volume_of_the_points_and_has_their_values():
 	frame = block()
-	vertices, triangles, values, bare = plots3d._surface(frame, frame["displacement"][:, 0], *box, stripped=None)
+	vertices, triangles, values, bare, cut = plots3d._surface(frame, frame["displacement"][:, 0], *box, stripped=None)
 	volume, off = volumeWithin(vertices, triangles) / 24 - 1, np.abs(values - vertices[:, 0]).max()
 	print(f"{len(triangles)} triangles; volume {volume:+.1%}, values off by up to {off:.3f} of 4 m; top at {vertices[:, 2].max():.3f} m")
-	assert abs(volume) < 0.02 and off < 0.15 and abs(vertices[:, 2].max() - 2) < 0.05 and not bare.any()
+	assert abs(volume) < 0.02 and off < 0.15 and abs(vertices[:, 2].max() - 2) < 0.05 and not bare.any() and not len(cut)
 
 
-def test_the_stripped_part_ends_at_the_thaw_front():
+def test_the_stripped_part_ends_at_the_thaw_front_and_the_cut_is_a_plane_of_what_has_thawed():
 	frame = block()
-	vertices, _, _, bare = plots3d._surface(frame, frame["displacement"][:, 0], *box, stripped=1.5)
-	stripped, whole = vertices[bare > 0.98], vertices[bare < 0.02]
-	print(f"stripped up to y = {stripped[:, 1].max():.2f} and z = {stripped[:, 2].max():.2f} m, the rest from y = {whole[:, 1].min():.2f} m")
-	assert abs(stripped[:, 2].max() - 1) < 0.07 and abs(stripped[:, 1].max() - 1.5) < 0.13 and abs(whole[:, 2].max() - 2) < 0.05
+	vertices, triangles, _, bare, cut = plots3d._surface(frame, frame["displacement"][:, 0], *box, stripped=1.4)
+	stripped, whole, plane = vertices[bare & (vertices[:, 1] < 1.4)], vertices[vertices[:, 1] > 1.4], vertices[cut]
+	area = 0.5 * np.linalg.norm(np.cross(plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0]), axis=1).sum()
+	print(
+		f"stripped up to z = {stripped[:, 2].max():.2f} m, the rest up to {whole[:, 2].max():.2f} m; cut of {area:.2f} m2 (4 due) at y = {plane[..., 1].max()} m"
+	)
+	assert abs(stripped[:, 2].max() - 1) < 0.07 and abs(whole[:, 2].max() - 2) < 0.05
+	assert np.ptp(plane[..., 1]) == 0 and plane[0, 0, 1] == 1.4 and abs(area / 4 - 1) < 0.1
+	assert abs(volumeWithin(vertices, np.concatenate([triangles, cut])) / (4 * 1.4 * 1 + 4 * 1.6 * 2) - 1) < 0.02
 
 
 def coloursOf(axes):
