@@ -352,6 +352,51 @@ TEST(Axisymmetry, ALayerConsolidatesAroundASandDrainAsBarron)
 	expectSmall("sand drain, implicit pressure: pressure of cells over that of the start", largest, 1e-2);
 }
 
+/// A surface that cuts cells does not let water flow aside.
+TEST(Axisymmetry, ARoundColumnConsolidatesAsTerzaghi)
+{
+	citing("Terzaghi 1943");
+	for (const double cut : { 0.0, 0.5 }) {
+		const double h = 0.1, height = 1.0 + cut * h, load = 1e4, modulus = 1e7, factor = 0.2;
+		auto         s = settingsOf({ 0.0, 0.3, h, 13 });
+		s.motion.emplace();
+		s.skeletons                                 = { elastic(modulus, 0.0) };
+		s.water.emplace().implicit                  = true;
+		s.water->permeability.referenceConductivity = 1e-3;
+		for (const char* side : { "right", "bottom" })
+			addBoundary<RollerBoundary<2>>(s, Region<2>::side(side));
+		addBoundary<Traction<2>>(s, Region<2>::freeSurface(), load);
+		addBoundary<DrainedBoundary<2>>(s, Region<2>::freeSurface(), 0.0);
+		const double storage = 1.0 / modulus + 0.4 / s.water->state.liquidBulkModulus, start = load / modulus / storage;
+		const auto   atStart = [&](PointInput<2>& p) {
+                        p.pressure  = start;
+                        p.stress[1] = start - load;
+                        if (p.position[1] < cut * h) p.volume *= cut; // the lowest row is as thick as the part that is cut off
+		};
+		Ground<2> ground(s);
+		fillBox(ground, { 0.0, cut * h }, { 0.3, height }, atStart);
+		if (cut > 0.0) fillBox(ground, { 0.0, 0.0 }, { 0.3, cut * h }, atStart);
+		ground.initialise();
+		marchTo(ground, factor * height * height * storage / mobilityOf(s));
+		const auto p = valuesOf(ground, "pressure"), y = valuesOf(ground, "position", 1);
+		double     squares = 0.0, aside = 0.0;
+		for (std::size_t k = 0; k < p.size(); ++k) {
+			const double depth = height - (int(y[k] / h) + 0.5) * h;
+			double       exact = 0.0;
+			for (int m = 0; m < 40; ++m) {
+				const double a = (m + 0.5) * M_PI;
+				exact += 2.0 / a * std::sin(a * depth / height) * std::exp(-a * a * factor);
+			}
+			squares += depth > 0.0 ? std::pow(p[k] / start - exact, 2) / p.size() : 0.0;
+			for (std::size_t j = 0; j < k; ++j)
+				if (int(y[j] / h) == int(y[k] / h)) aside = std::max(aside, std::abs(p[j] - p[k]) / start);
+		}
+		const std::string name = cut > 0.0 ? "round column, implicit pressure, surface in the middle of cells: " : "round column, implicit pressure: ";
+		expectSmall(name + "rms of the isochrone over the pressure of the start, T_v = 0.2", std::sqrt(squares), cut > 0.0 ? 3e-2 : 1e-2);
+		expectSmall(name + "largest difference within a row", aside, 1e-3);
+	}
+}
+
 /// The strain of thaw closes along the axis, whatever the radius.
 TEST(Axisymmetry, AThawingCylinderSettlesByItsThawStrain)
 {

@@ -117,7 +117,9 @@ void ImplicitPressure<D>::addContent(
 		c.pressure += volume[p] * water.pressure[p];
 		c.temperature += temperature ? mass * temperature[p] : 0.0;
 		c.carried += mass * ofPoint<D>(water.velocity, p);
-		c.middle += volume[p] * points.at(p);
+		const double ofPlane = volume[p] / grid_->measureAt(points.at(p)[0]);
+		c.ofPlane += ofPlane;
+		c.middle += ofPlane * points.at(p);
 		c.place += mass * points.at(p);
 		c.weight += -mass * ofPoint<D>(acceleration_, p);
 		for (int a = 0; a < D; ++a)
@@ -334,7 +336,7 @@ template <int D> void ImplicitPressure<D>::findMiddle(int c)
 	Cell&        cell = cells_[c];
 	const double most = 0.5 * (1.0 - cell.fill);
 	for (int a = 0; a < D; ++a) {
-		const double place = (cell.middle[a] / cell.volume - grid_->lower()[a]) * grid_->inverseSpacing();
+		const double place = (cell.middle[a] / cell.ofPlane - grid_->lower()[a]) * grid_->inverseSpacing();
 		cell.middle[a]     = std::clamp(place - grid_->place(c, a) - 0.5, -most, most);
 	}
 }
@@ -458,10 +460,8 @@ template <int D> void ImplicitPressure<D>::drainThrough(int c, double area, doub
 template <int D> void ImplicitPressure<D>::drain(const StepContext<D>& step, const SurfacePatch<D>& patch, double outside, bool recharges)
 {
 	const ActiveRange& range = step.halo;
-	for (const SurfaceNode<D>& n : patch.nodes) {
-		const double area = lengthOf<D>(n.area);
-		if (area > 0.0) open_[n.node] = n.area / area;
-	}
+	for (const SurfaceNode<D>& n : patch.nodes)
+		if (const double area = lengthOf<D>(n.area); area > 0.0) open_[n.node] = n.area / area;
 	for (const int c : exposed_) {
 		const Cell& cell = cells_[c];
 		for (int a = 0; a < D; ++a)

@@ -89,7 +89,8 @@ private:
 		double thawed;          ///< as open, with all ice melted
 		double part;            ///< of it that has thawed as a layer on one side, see thawedPart(); 0: none
 		double volume, mobility, fill, base, drivingExcess; ///< base: pressure from which x counts [Pa]
-		Vec<D> middle;                                      ///< of its ground: sum V x; then from the middle of the cell, in spacings
+		double ofPlane;                                     ///< about an axis the volume without the radius, else the same
+		Vec<D> middle;                                      ///< of its ground: sum of ofPlane x; then from the middle of the cell, in spacings
 		double drained, drives; ///< conductance of its drained faces [m^D/(Pa s)], and the flow that they let out at p = 0 [m^D/s]
 		double out;             ///< volume that leaves through them in the step [m^D]
 		Vec<D> leaves;          ///< their conductances, along their outward normals [m^D/(Pa s)]
@@ -108,7 +109,7 @@ private:
 	const double* link(int cell) const { return links_.data() + std::size_t(cell) * corners * D; }
 	bool          hasNext(const ActiveRange& range, int cell, int axis) const { return next_[axis][cell] >= 0 && next_[axis][cell] < range.lastCell; }
 	void          linkCell(int cell, const WeightBlock<D>& w, int k, const double (&parts)[D][blockSize], const double* radius, const PoreWater<D>& water);
-	double        filledBy(int cell) const { return cells_[cell].volume / (grid_->cellVolume() * grid_->measureOfCell(cell)); } ///< of a cell [-]
+	double        filledBy(int cell) const { return cells_[cell].ofPlane / grid_->cellVolume(); } ///< of a cell [-]
 	void          foldLinks(int cell, const double* volumes, const PoreWater<D>& water);
 	/// Place of a node among the corners of a cell.
 	int           cornerOf(int cell, int node) const;
