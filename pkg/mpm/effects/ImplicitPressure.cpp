@@ -727,9 +727,8 @@ template <int D> void ImplicitPressure<D>::iterate(const StepContext<D>& step, c
 /// Cells whose water would be torn leave a gap, and gaps that would be overfilled close.
 template <int D> bool ImplicitPressure<D>::changeStates(const StepContext<D>& step)
 {
-	const ActiveRange& range   = step.owned;
-	bool               changed = false;
-	for (int c = range.firstCell; c < range.lastCell; ++c) {
+	bool changed = false;
+	for (int c = step.owned.firstCell; c < step.owned.lastCell; ++c) {
 		Cell& cell = cells_[c];
 		if (cell.state == wet && cell.pressure + change_[c] < lowest_) {
 			cell.state = cavitated;
@@ -828,8 +827,7 @@ template <int D> void ImplicitPressure<D>::keepOnly(const ActiveRange& range, in
 
 template <int D> void ImplicitPressure<D>::bookDissipation(const StepContext<D>& step) const
 {
-	const ActiveRange& range = step.owned;
-	for (int c = range.firstCell; c < range.lastCell; ++c) {
+	for (int c = step.owned.firstCell; c < step.owned.lastCell; ++c) {
 		const Cell& cell = cells_[c];
 		if (cell.state == none) continue;
 		double lost = cell.drained > 0.0 ? cell.out * (cell.pressure + change_[c] + cell.drives / cell.drained) : 0.0;
