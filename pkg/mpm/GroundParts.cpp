@@ -54,6 +54,7 @@ template <int D> void Ground<D>::Parts::afterReordering(bool pointsMoved)
 template <int D> void Ground<D>::Parts::clearNodes(int first, int last)
 {
 	if (motion) motion->nodes.clear(first, last);
+	if (mappedBack) mappedBack->missing.clear(first, last);
 	if (water) water->nodes.clear(first, last);
 	if (heat) heat->clear(first, last);
 	if (surface) surface->nodes.clear(first, last);

@@ -16,6 +16,7 @@
 #include <pkg/mpm/effects/HeatTransfer.hpp>
 #include <pkg/mpm/effects/IceSegregation.hpp>
 #include <pkg/mpm/effects/ImplicitPressure.hpp>
+#include <pkg/mpm/effects/MappedBack.hpp>
 #include <pkg/mpm/effects/MomentumSolver.hpp>
 #include <pkg/mpm/effects/PoreContent.hpp>
 #include <pkg/mpm/effects/PoreWater.hpp>
@@ -101,6 +102,7 @@ template <int D> struct Ground<D>::Parts {
 	EffectPart<ImplicitPressure<D>>    implicit; ///< pressure of the water at the end of the step
 	EffectPart<PoreContent<D>>         content;
 	EffectPart<FreeSurface<D>>         surface;
+	EffectPart<MappedBack<D>>          mappedBack;
 	EffectPart<CellMeans<D>>           cells;
 	BBar<D>                            bBar;
 	StrainWork<D>                      strainWork;
@@ -250,6 +252,7 @@ template <int D> struct Ground<D>::Parts {
 	void exchangeHeat(const StepContext<D>& step);
 	void finishTemperature(const StepContext<D>& step);
 	void solveMomentum(const StepContext<D>& step);
+	void mapBack(const StepContext<D>& step);
 	void pushByBoundaries(const StepContext<D>& step);
 	void seep(const StepContext<D>& step);
 	void feedWater(const StepContext<D>& step);

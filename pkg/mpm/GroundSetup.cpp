@@ -17,6 +17,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 		        field, *settings.motion, settings.water || settings.motion->bBar || !stressingEffects.empty(), settings.axisymmetric);
 	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
 		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
+	if (settings.motion && !affine) mappedBack = std::make_unique<MappedBack<D>>();
 	for (const auto& effect : effects)
 		effect->declareFields(field);
 	if (hasContent()) content = std::make_unique<PoreContent<D>>(field, settings);
@@ -29,7 +30,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 
 	const bool usesSurface = std::any_of(settings.boundaries.begin(), settings.boundaries.end(), [](const auto& b) { return b->usesSurface(); });
 	if (usesSurface) surface = std::make_unique<FreeSurface<D>>();
-	if (usesSurface || averaging()) cells = std::make_unique<CellMeans<D>>();
+	if (usesSurface || averaging() || mappedBack) cells = std::make_unique<CellMeans<D>>();
 	if (settings.heat && settings.heat->followsMotion) calendar = std::make_unique<Calendar<D>>(field, *settings.heat);
 	if (settings.bodies) bodies = std::make_unique<RigidContact<D>>(field, *settings.bodies);
 	if (hasFront()) front = std::make_unique<ThawFront<D>>(field, *settings.thawFront);
@@ -149,6 +150,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (heat) heat->constrain(grid, settings.boundaries);
 	stateDependent.find(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
+	if (mappedBack) mappedBack->bind(grid);
 	if (averaging()) bBar.allocate(grid);
 	strainWork = { startShare(), bool(implicit) };
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();
@@ -163,10 +165,11 @@ template <int D> void Ground<D>::Parts::bindEffects()
 template <int D> void Ground<D>::Parts::listReadArrays()
 {
 	const auto reads = [](Prefetch& ahead, const auto&... arrays) { (ahead.add(arrays), ...); };
-	for (Prefetch* ahead : { &passes.toGrid, &passes.flows, &passes.seepage, &passes.toPoints })
+	for (Prefetch* ahead : { &passes.toGrid, &passes.flows, &passes.back, &passes.seepage, &passes.toPoints })
 		reads(*ahead, points->positions());
 	if (motion) {
 		reads(passes.toGrid, motion->mass, motion->volume, motion->velocity, motion->stress, motion->addedStress);
+		reads(passes.back, motion->mass, motion->velocity);
 		reads(passes.toPoints, motion->velocity, motion->displacement, motion->gradient);
 	}
 	if (averaging()) reads(passes.toPoints, motion->volume);

@@ -32,6 +32,7 @@ template <int D> void Ground<D>::Parts::keepOwnPart()
 	const int          first = halo.firstNode, last = halo.lastNode, begin = ranks.slabs()->firstPoint(), end = ranks.slabs()->endPoint();
 	if (motion) motion->nodes.keepOnly(first, last);
 	if (motion) motion->solved.keepOnly(first, last);
+	if (mappedBack) mappedBack->missing.keepOnly(first, last);
 	if (momentum) momentum->keepOnly(first, last);
 	if (heat) heat->keepOnly(first, last);
 	if (water) water->keepOnly(halo, begin, end);

@@ -37,6 +37,7 @@ template <int D> void Ground<D>::p2g()
 	if (g.front) g.cost.time(CostMeter::front, [&] { g.findFront(step); });
 	if (g.cells) g.cost.time(CostMeter::cells, [&] { g.locateInCells(); });
 	if (g.surface) g.surface->findNeeded(g.grid, *g.cells);
+	if (g.mappedBack) g.cost.time(CostMeter::cells, [&] { g.mappedBack->find(g.grid, *g.cells, g.points->strips()); });
 	g.mapToGrid(step);
 	if (g.implicit) g.cost.time(CostMeter::water, [&] { g.implicit->findLinks(step, *g.cells, *g.shape, *g.water); });
 	if (g.surface) g.cost.time(CostMeter::surface, [&] { g.collectSurfaces(step); });
@@ -298,15 +299,26 @@ template <int D> void Ground<D>::Parts::solveMomentum(const StepContext<D>& step
 	cost.time(CostMeter::boundaries, [&] { pushByBoundaries(step); });
 	if (bodies) cost.time(CostMeter::bodies, [&] { bodies->push(step, *shape, clock.steps == 0, motion->nodes, front.get(), clock.account.impulse); });
 	cost.time(CostMeter::motion, [&] {
-		const auto correct = [&] {
+		momentum->solve(step, *motion, water.get(), front.get(), settings.energyLedger && !implicit, [&] {
+			if (mappedBack) mapBack(step);
 			cost.time(CostMeter::motion, [] {}); // so far
-			cost.time(CostMeter::water, [&] { findImplicitPressure(step); });
-		};
-		const std::function<void()> change = implicit ? correct : std::function<void()>();
-		momentum->solve(step, *motion, water.get(), front.get(), settings.energyLedger && !implicit, change);
+			if (implicit) cost.time(CostMeter::water, [&] { findImplicitPressure(step); });
+		});
 		const double mass = clock.initialMass - clock.account.waterOut;
 		clock.account.impulse += step.dt * mass * motion->settings->gravity;
 	});
+}
+
+/// Before the pressure at the end of the step, which sees the strain that points get.
+template <int D> void Ground<D>::Parts::mapBack(const StepContext<D>& step)
+{
+	passes.scatter(
+	        passes.back, [&](const WeightBlock<D>& w) { mappedBack->map(*cells, *motion, w); },
+	        [&](HaloExchange& rows) {
+		        rows.beyond = bool(implicit); // whose cells see nodes of the next slab
+		        rows.nodes(mappedBack->missing);
+	        });
+	momentum->addMissing(step.halo, *motion, mappedBack->missing, [&](int node) { return mappedBack->isBeside(node) && !(front && front->parts(node)); });
 }
 
 template <int D> void Ground<D>::Parts::pushByBoundaries(const StepContext<D>& step)

@@ -78,7 +78,7 @@ def thawingLevelGround(h, pressure, skeleton=None, **settings):
 
 
 @pytest.mark.parametrize("pressure", ["implicit", pytest.param("explicit", id="explicit_slow")])
-def test_rows_that_have_settled_into_one_cell_bear_what_lies_on_them(pressure):
+def test_rows_that_have_settled_into_one_cell_bear_together_what_lies_on_them(pressure):
 	h = 0.125
 	mpm = thawingLevelGround(h, pressure, material=wrapper.GroundMaterial(thawStrain=0.08))
 	talik.runUntilDay(mpm, 330)
@@ -86,12 +86,14 @@ def test_rows_that_have_settled_into_one_cell_bear_what_lies_on_them(pressure):
 	mass = rows(mpm, "mass") + rows(mpm, "waterMass")
 	weight = -9.81 * (np.cumsum(mass) - mass / 2) / h
 	effective = rows(mpm, "stress", 1)
-	off = np.abs(effective - rows(mpm, "pressure") - weight) * h / (9.81 * mass)
-	worst, shared = off[:-1].max(), len(cells) - len(set(cells))
-	print(f"{pressure}: settled by {settled:.0f} mm, {shared} rows share a cell with another; total stress of rows off the weight above by {worst:.2f} of that")
-	print(f"of a row (0, 0.25, as in validation), of the row on the base by {off[-1]:.2f};")
-	print(f"effective stress of the upper rows {np.round(effective[:6] / 1e3, 2)} kPa, due: more in each")
-	assert mpm.field("iceSaturation").max() == 0 and shared and worst < 0.25 and (np.diff(effective[:-1]) < 0).all() and effective.max() < 0
+	off = (effective - rows(mpm, "pressure") - weight) * h / (9.81 * mass)
+	ofCells, shared = np.array([off[cells == cell].mean() for cell in np.unique(cells)[1:]]), len(cells) - len(set(cells))
+	print(f"{pressure}: settled by {settled:.0f} mm, {shared} rows share a cell with another; mean total stress of the rows of a cell off the weight above by")
+	print(f"{np.abs(ofCells).max():.2f} of that of a row (0, 0.5), of the row on the base by {off[-1]:.2f};")
+	print(
+		f"of one row by {np.abs(off[:-1]).max():.2f} (0, 1.25: the limits page has it); effective stress of the upper rows {np.round(effective[:6] / 1e3, 2)} kPa"
+	)
+	assert mpm.field("iceSaturation").max() == 0 and shared and np.abs(ofCells).max() < 0.5 and np.abs(off[:-1]).max() < 1.25 and effective.max() < 0
 
 
 @pytest.mark.parametrize(
@@ -144,13 +146,14 @@ def overPermafrost(h, law=None, thawStrain=0.0, pressure="explicit", **settings)
 
 
 def throughThreeYears(mpm, h):
-	"""Heave in winter, path of the surface in late summer, and volume gained by then without ice that has segregated [mm], of each year."""
+	"""Heave in winter, path of the surface in late summer, and volume gained by then [mm], of each year; without ice that has segregated and without the
+	openings that it has left, from which water still drains."""
 	start, found = rows(mpm, "volume").sum() / h, []
 	for year in (0, 1, 2):
 		talik.runUntilDay(mpm, 365 * year + 200)
 		heave = 1e3 * rows(mpm, "displacement", 1)[0]
 		talik.runUntilDay(mpm, 365 * (year + 1) + 60)
-		ice = 1e3 * mpm.field("segregatedVolume").sum() / h if mpm.segregation else 0.0
+		ice = 1e3 * (mpm.field("segregatedVolume") + mpm.field("thawStrainOpen") * mpm.field("volume")).sum() / h if mpm.segregation else 0.0
 		found.append((heave, 1e3 * rows(mpm, "displacement", 1)[0] - ice, 1e3 * (rows(mpm, "volume").sum() / h - start) - ice))
 	return np.transpose(found)
 
@@ -173,21 +176,21 @@ def test_ground_over_permafrost_comes_back_to_its_height_every_summer(h, law):
 
 
 @pytest.mark.parametrize(
-	"name, most, settings",
+	"name, settings",
 	[
-		("without recharge", (5, 2), lambda: dict(recharge=False)),
-		("without a front", (5, 2), lambda: dict(thawFront=None)),
-		("implicit pressure", (5, 2), lambda: dict(pressure="implicit")),
-		("ice that segregates", (8, 5), lambda: dict(segregation=wrapper.IceSegregation(segregationPotential=1e-9))),
+		("without recharge", lambda: dict(recharge=False)),
+		("without a front", lambda: dict(thawFront=None)),
+		("implicit pressure", lambda: dict(pressure="implicit")),
+		("ice that segregates", lambda: dict(segregation=wrapper.IceSegregation(segregationPotential=1e-9))),
 	],
 )
-def test_ground_over_permafrost_comes_back_with_every_mechanism_less_the_ice_that_stays_in_the_permafrost(name, most, settings):
+def test_ground_over_permafrost_comes_back_with_every_mechanism_less_the_ice_that_stays_in_the_permafrost(name, settings):
 	heaves, left, volumes = throughThreeYears(overPermafrost(0.25, **settings()), 0.25)
 	print(
 		f"{name}: heave in winter {np.round(heaves, 1)} mm, left in late summer without segregated ice by the path of the surface {np.round(left, 2)} mm, "
-		f"by volume {np.round(volumes, 2)} mm; due 0, tolerance {most[0]} and {most[1]} mm"
+		f"by volume {np.round(volumes, 2)} mm; due 0, tolerance 5 and 2 mm"
 	)
-	assert min(heaves) > 10 and np.abs(left).max() < most[0] and np.abs(volumes).max() < most[1]
+	assert min(heaves) > 10 and np.abs(left).max() < 5 and np.abs(volumes).max() < 2
 
 
 def dryDamThatThaws(front):
@@ -216,10 +219,10 @@ def test_a_dry_dam_that_thaws_from_both_faces_moves_with_the_thaw_front_as_witho
 	moved, apart = dryDamThatThaws(True)
 	without, _ = dryDamThatThaws(False)
 	print(
-		f"largest displacement with the front {moved:.2f} mm, without {without:.2f} mm (due: equal, tolerance 2 mm; of each 4 mm); "
+		f"largest displacement with the front {moved:.2f} mm, without {without:.2f} mm (due: less than 2 mm each); "
 		f"halves differ by {apart:.1e} mm (0, 0.01)"
 	)
-	assert abs(moved - without) < 2 and max(moved, without) < 4 and apart < 0.01
+	assert max(moved, without) < 2 and apart < 0.01
 
 
 @pytest.mark.parametrize("days", [120, pytest.param(400, id="400_days_slow")])
@@ -377,9 +380,9 @@ def test_a_plate_on_ground_that_thaws_settles_by_the_thaw_strain_of_what_has_tha
 	thawed = depth * (1 - mpm.field("iceSaturation")[under] / frozen).mean()
 	settled, due = -1e3 * (plate.state.displ()[1] - start), 1e3 * strain * thawed
 	print(
-		f"front {front}: {thawed:.2f} m have thawed under the plate, it settled by {settled:.1f} mm; thaw strain of what has thawed {due:.1f} mm, tolerance 5 %"
+		f"front {front}: {thawed:.2f} m have thawed under the plate, it settled by {settled:.1f} mm; thaw strain of what has thawed {due:.1f} mm, tolerance 6 %"
 	)
-	assert thawed > 0.6 and abs(settled / due - 1) < 0.05
+	assert thawed > 0.6 and abs(settled / due - 1) < 0.06
 
 
 @pytest.mark.parametrize("pressure", ["implicit", pytest.param("explicit", id="explicit_slow")])
@@ -448,14 +451,14 @@ def test_a_surface_that_heaves_rises_by_the_volume_that_the_ground_gains(hours):
 	talik.layers.fill(mpm, {"silt": silt}, lateralRatio=0.5)
 	run(mpm)
 	mpm.resetDisplacement()
-	start, apart = rows(mpm, "volume"), []
+	start, apart, most = rows(mpm, "volume"), [], 1.0 if max(hours) <= 10 else 1.5
 	for hour in hours:
 		talik.runUntilDay(mpm, hour / 24)
 		gained = 1e3 * (rows(mpm, "volume") - start) / h
 		heave = 1e3 * rows(mpm, "displacement", 1)[0] + 0.5 * gained[0]
 		apart.append(heave / gained.sum() - 1)
-		print(f"hour {hour}: surface {heave:.2f} mm, volume {gained.sum():.2f} mm, {100 * apart[-1]:+.1f} % of the heave apart (due 0, tolerance 3 %)")
-	assert gained.sum() > 4 and np.abs(apart).max() < 0.03
+		print(f"hour {hour}: surface {heave:.2f} mm, volume {gained.sum():.2f} mm, {100 * apart[-1]:+.1f} % of the heave apart (due 0, tolerance {most} %)")
+	assert gained.sum() > 4 and np.abs(apart).max() < most / 100
 
 
 def test_a_smooth_strip_under_a_surcharge_bears_what_prandtl_and_reissner_give_for_thirty_degrees_slow():

@@ -521,9 +521,22 @@ void MomentumSolver<D>::solve(
 	if (front) front->solve(step, motion, water, constraints_, mirrors_);
 	unfold(range, motion, water, dt);
 	if (water) findFlux(range, motion, *water);
-	if (change) change();
+	change();
 	keepAccount(range, motion, water, dt, keepWorks, ledger);
 	loads_.clear();
+}
+
+template <int D>
+void MomentumSolver<D>::addMissing(const ActiveRange& range, SolidMotion<D>& motion, NodeField<D>& missing, const std::function<bool(int)>& takes) const
+{
+	foldForces(range, missing);
+	range.eachNode([&](int i) {
+		const double mass = takes(i) ? motion.nodes[i][motion.massAt] : 0.0;
+		for (int a = 0; a < D; ++a)
+			missing[i][a] = mass > 0.0 && !constraints_.solidFixed(i, a) ? missing[i][a] / mass : 0.0;
+	});
+	unfoldChanges(range, missing);
+	range.eachNode([&](int i) { addTo<D>(motion.solved[i] + motion.velocityAt, vectorAt<D>(missing[i])); });
 }
 
 template <int D>

@@ -67,7 +67,7 @@ public:
 	/// summed. Walls outside the range are left out. change: what changes the solved values before they are booked, by correct().
 	void solve(
 	        const StepContext<D>& step, SolidMotion<D>& motion, PoreWater<D>* water, ThawFront<D>* front, bool keepWorks,
-	        const std::function<void()>& change = {});
+	        const std::function<void()>& change);
 	/// What a force on the mixture of a node changes in dt of the velocity of its grains and its liquid, which move together [m/s/N]; 0 where walls
 	/// hold them. After solve().
 	void findResponse(const ActiveRange& range, const SolidMotion<D>& motion, const PoreWater<D>& water, double dt, NodeField<D>& response) const;
@@ -81,6 +81,8 @@ public:
 	void correct(
 	        const ActiveRange& range, SolidMotion<D>& motion, PoreWater<D>& water, NodeField<D>& force, NodeField<D>& change, double dt,
 	        StepLedger<D>& ledger);
+	/// Adds to the solved velocities of the nodes that take it the momentum that they miss [kg m/s], which becomes the velocity added [m/s].
+	void addMissing(const ActiveRange& range, SolidMotion<D>& motion, NodeField<D>& missing, const std::function<bool(int)>& takes) const;
 	/// Ghost nodes and their images, in the order in which they are folded.
 	const std::vector<typename MotionConstraints<D>::Mirror>& mirrors() const { return mirrors_; }
 	/// Of these, the nodes whose liquid is not folded with the solid, ghosts and images.

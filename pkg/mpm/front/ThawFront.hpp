@@ -58,6 +58,8 @@ public:
 		records_.clear(nodes_.count());
 	}
 	void exceptFromMeans(CellMeans<D>& cells, int first, int last) const { nodes_.exceptFromMeans(cells, first, last); }
+	/// True if the sides have velocities of their own at a node.
+	bool parts(int node) const { return nodes_.slot(node) >= 0; }
 	/// True if there are front nodes in this step.
 	bool present() const { return !nodes_.empty(); }
 

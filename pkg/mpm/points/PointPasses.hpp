@@ -25,7 +25,7 @@ public:
 	}
 
 	/// What the passes over blocks read of the points.
-	Prefetch toGrid, flows, seepage, toPoints;
+	Prefetch toGrid, flows, back, seepage, toPoints;
 
 	/// work(block) for all points, with weights at their positions; never two neighbouring strips at once.
 	/// share(rows): names the arrays to which work adds; ahead: those of the points that it reads.
