@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /// Entry of the Python module talik._talik: checks the running YADE, registers our classes into it, hands out what needs C++.
 #include "InterfaceCheck.hpp"
-#include "SampleGroup.hpp"
 #include "ShearTest.hpp"
 
 #include <boost/python/numpy.hpp>
@@ -323,7 +322,6 @@ BOOST_PYTHON_MODULE(_talik)
 	py::def("rankTraffic", rankTraffic, "Dictionary: messages, bytes sent, seconds waited and processor seconds of waiting, of this rank.");
 	py::def(
 	        "endJob", +[](int status) { requireCommunicator().ranks().endJob(status); }, py::arg("status"), "End all processes of the job.");
-	exposeSampleGroup();
 	exposeShearTests();
 	py::def(
 	        "currentScene", +[] { return Omega::instance().getScene(); }, "The Scene that O acts on now.");

@@ -17,6 +17,7 @@ import talik
 import twins
 from figures import Figure
 from talik import geometry
+from talik_bench import SampleGroup
 
 
 def resident(entry="VmRSS"):
@@ -36,10 +37,10 @@ def residentAtLeast():
 def atRest(kind, sample, ceiling, number=1000):
 	"""Samples of 400 grains, each with a history of its own, after two updates."""
 	motion = twins.pureShear(1e-5)
-	few = talik._talik.SampleGroup(sample, 4)
+	few = SampleGroup(sample.stateBytes, 4)
 	few.apply(motion, 10)  # buffers of the thread
 	before = residentAtLeast()
-	group = talik._talik.SampleGroup(sample, number)
+	group = SampleGroup(sample.stateBytes, number)
 	for _ in range(2):
 		group.apply(motion, 10)
 	each = (resident() - before) / number / 1e3

