@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "ShearTest.hpp"
 
-#include <boost/python/numpy.hpp>
 #include <pkg/base/ThreadPool.hpp>
 #include <pkg/multiscale/samples/RveSample.hpp>
+#include <pkg/python/PythonFunction.hpp>
 #include <pkg/python/ScriptValues.hpp>
 #include <pkg/rve/SimpleShear.hpp>
 
 namespace py = boost::python;
-namespace np = boost::python::numpy;
 
 namespace talik {
 namespace {
@@ -30,11 +29,9 @@ namespace {
 		return kept;
 	}
 
-	np::ndarray arrayOf(const std::vector<double>& values)
+	py::object arrayOf(const std::vector<double>& values)
 	{
-		np::ndarray array = np::zeros(py::make_tuple(values.size()), np::dtype::get_builtin<double>());
-		std::copy(values.begin(), values.end(), reinterpret_cast<double*>(array.get_data()));
-		return array;
+		return tableOf(values.size(), 1, [&](std::size_t k, std::size_t) { return values[k]; });
 	}
 
 	py::list shearTests(const py::list& runs, int threads)

@@ -73,6 +73,15 @@ inline ::boost::python::numpy::ndarray zeros(const ::boost::python::tuple& shape
 
 inline double* numbersOf(const ::boost::python::numpy::ndarray& array) { return reinterpret_cast<double*>(array.get_data()); }
 
+/// Array (rows,) of get(row, 0), or (rows, columns) of get(row, column).
+template <class Get>::boost::python::numpy::ndarray tableOf(std::size_t rows, std::size_t columns, Get&& get)
+{
+	const auto table = zeros(columns == 1 ? ::boost::python::make_tuple(rows) : ::boost::python::make_tuple(rows, columns));
+	for (std::size_t k = 0; k < rows * columns; ++k)
+		numbersOf(table)[k] = get(k / columns, k % columns);
+	return table;
+}
+
 inline std::string textOfShape(const ::boost::python::tuple& shape) { return ::boost::python::extract<std::string>(::boost::python::str(shape)); }
 
 /// What a function gave, as contiguous numbers of this shape. Throws std::domain_error, in words that follow the name of the function.

@@ -94,15 +94,10 @@ py::object MpmEngine::storedField(const string& name)
 	for (const auto& info : g.fields())
 		if (info.place == "points" && info.name == name) parts = info.components;
 	if (parts == 0) return py::object();
-	np::ndarray  result = np::zeros(parts == 1 ? py::make_tuple(n) : py::make_tuple(n, parts), np::dtype::get_builtin<double>());
-	Real*        data   = reinterpret_cast<Real*>(result.get_data());
-	vector<Real> component(n);
-	for (int c = 0; c < parts; ++c) {
-		g.copyById(name, c, component.data());
-		for (int i = 0; i < n; ++i)
-			data[i * parts + c] = component[i];
-	}
-	return result;
+	vector<Real> components(std::size_t(n) * parts);
+	for (int c = 0; c < parts; ++c)
+		g.copyById(name, c, components.data() + std::size_t(n) * c);
+	return talik::tableOf(n, parts, [&](std::size_t id, std::size_t c) { return components[n * c + id]; });
 }
 
 vector<Real> MpmEngine::valueAt(const string& name, int id)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include <algorithm>
-#include <boost/python/numpy.hpp>
 #include <cmath>
 #include <core/Scene.hpp>
 #include <cstring>
@@ -8,6 +7,7 @@
 #include <numeric>
 #include <pkg/base/SavedBytes.hpp>
 #include <pkg/multiscale/engine/PointTable.hpp>
+#include <pkg/python/PythonFunction.hpp>
 #include <pkg/python/ScriptValues.hpp>
 
 namespace py = boost::python;
@@ -139,10 +139,7 @@ py::dict PointTable::arrays() const
 {
 	py::dict   all;
 	const auto put = [&](const char* name, std::size_t width, auto numberAt) {
-		np::ndarray array = np::empty(width == 1 ? py::make_tuple(count_) : py::make_tuple(count_, width), np::dtype::get_builtin<double>());
-		for (std::size_t k = 0; k < width * std::size_t(count_); ++k)
-			reinterpret_cast<double*>(array.get_data())[k] = numberAt(int(k / width), int(k % width));
-		all[name] = array;
+		all[name] = tableOf(count_, width, [&](std::size_t id, std::size_t c) { return numberAt(int(id), int(c)); });
 	};
 	std::size_t column = 0;
 	put("position", std::size_t(dimension_), [&](int id, int c) { return position(id, c); });
@@ -169,23 +166,8 @@ std::uint64_t PointTable::digest() const
 
 } // namespace talik
 
-namespace py = boost::python;
-namespace np = boost::python::numpy;
-
 namespace yade {
 YADE_PLUGIN((PointWatch));
-
-namespace {
-	/// `count` rows of `width` numbers, `stride` apart, as an array (count,) or (count, width).
-	np::ndarray columns(const Real* first, std::size_t count, int width, std::size_t stride)
-	{
-		np::ndarray array = np::empty(width == 1 ? py::make_tuple(count) : py::make_tuple(count, width), np::dtype::get_builtin<double>());
-		Real*       data  = reinterpret_cast<Real*>(array.get_data());
-		for (std::size_t i = 0; i < count; ++i)
-			std::copy(first + i * stride, first + i * stride + width, data + i * width);
-		return array;
-	}
-} // namespace
 
 void PointWatch::record(Real time, const Look& look)
 {
@@ -210,10 +192,10 @@ py::dict PointWatch::history(int id) const
 		throw std::invalid_argument("MpmEngine.history: point " + std::to_string(id) + " is not watched; call watch() with its id.");
 	const std::size_t width = std::accumulate(components.begin(), components.end(), std::size_t(0)), stride = width * ids.size();
 	py::dict          result;
-	result["time"]  = columns(times.data(), times.size(), 1, 1);
+	result["time"]  = talik::tableOf(times.size(), 1, [&](std::size_t t, std::size_t) { return times[t]; });
 	const Real* row = rows.data() + std::size_t(place) * width;
 	for (std::size_t f = 0; f < components.size(); ++f) {
-		result[fields[f]] = columns(row, times.size(), components[f], stride);
+		result[fields[f]] = talik::tableOf(times.size(), components[f], [&](std::size_t t, std::size_t c) { return row[t * stride + c]; });
 		row += components[f];
 	}
 	return result;

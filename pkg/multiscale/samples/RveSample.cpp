@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include <boost/python/numpy.hpp>
 #include <cmath>
 #include <pkg/base/SavedBytes.hpp>
 #include <pkg/multiscale/samples/RveSample.hpp>
 #include <pkg/multiscale/samples/SampleStore.hpp>
+#include <pkg/python/PythonFunction.hpp>
 #include <pkg/python/ScriptValues.hpp>
 #include <pkg/python/StepGate.hpp>
 #include <pkg/rve/open/ScenePacking.hpp>
 
 namespace py = boost::python;
-namespace np = boost::python::numpy;
 
 namespace yade {
 YADE_PLUGIN((RveSample)(OpenRveSample));
@@ -230,16 +229,6 @@ py::dict RveSample::statistics() const
 }
 
 namespace {
-	template <class Get> py::object table(std::size_t rows, int columns, Get get)
-	{
-		np::ndarray array = np::zeros(columns == 1 ? py::make_tuple(rows) : py::make_tuple(rows, columns), np::dtype::get_builtin<double>());
-		Real*       data  = reinterpret_cast<Real*>(array.get_data());
-		for (std::size_t i = 0; i < rows; ++i)
-			for (int c = 0; c < columns; ++c)
-				data[i * columns + c] = get(i, c);
-		return array;
-	}
-
 	double shearComponent(double shear, int) { return shear; }
 	double shearComponent(const Vector3r& shear, int c) { return shear[c]; }
 } // namespace
@@ -250,13 +239,13 @@ py::dict RveSample::arrays() const
 		constexpr int dim = dimensionOf<std::decay_t<decltype(s)>>;
 		const auto&   k   = s.contacts;
 		py::dict      d;
-		d["position"] = table(s.size(), dim, [&](std::size_t i, int c) { return s.position[i][c]; });
-		d["radius"]   = table(s.size(), 1, [&](std::size_t i, int) { return s.grains->radius[i] * s.radiusFactor; });
-		d["contact"]  = table(k.size(), 2, [&](std::size_t i, int c) { return c ? k.second[i] : k.first[i]; });
-		d["cellDist"] = table(k.size(), dim, [&](std::size_t i, int c) { return k.cellDist[i][c]; });
-		d["shear"]    = table(k.size(), dim == 2 ? 1 : 3, [&](std::size_t i, int c) { return shearComponent(k.shear[i], c); });
-		d["bond"]     = table(k.size(), 1, [&](std::size_t i, int) { return k.bond.empty() ? 0 : k.bond[i] & 3; });
-		d["hSize"]    = table(dim, dim, [&](std::size_t i, int c) { return s.hSize(int(i), c); });
+		d["position"] = talik::tableOf(s.size(), dim, [&](std::size_t i, int c) { return s.position[i][c]; });
+		d["radius"]   = talik::tableOf(s.size(), 1, [&](std::size_t i, int) { return s.grains->radius[i] * s.radiusFactor; });
+		d["contact"]  = talik::tableOf(k.size(), 2, [&](std::size_t i, int c) { return c ? k.second[i] : k.first[i]; });
+		d["cellDist"] = talik::tableOf(k.size(), dim, [&](std::size_t i, int c) { return k.cellDist[i][c]; });
+		d["shear"]    = talik::tableOf(k.size(), dim == 2 ? 1 : 3, [&](std::size_t i, int c) { return shearComponent(k.shear[i], c); });
+		d["bond"]     = talik::tableOf(k.size(), 1, [&](std::size_t i, int) { return k.bond.empty() ? 0 : k.bond[i] & 3; });
+		d["hSize"]    = talik::tableOf(dim, dim, [&](std::size_t i, int c) { return s.hSize(int(i), c); });
 		return d;
 	});
 }

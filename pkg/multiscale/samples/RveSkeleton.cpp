@@ -412,12 +412,7 @@ py::object RveSkeleton::values(const string& name) const
 	const std::size_t             parts = bySample.empty() ? 1 : bySample.front().size();
 	for (int id = 0; id < points; ++id)
 		if (s.has(id)) rows[id] = &bySample[s.sampleNumber(id)];
-	np::ndarray result = np::zeros(parts == 1 ? py::make_tuple(points) : py::make_tuple(points, parts), np::dtype::get_builtin<double>());
-	Real*       data   = reinterpret_cast<Real*>(result.get_data());
-	for (int id = 0; id < points; ++id)
-		for (std::size_t c = 0; c < parts; ++c)
-			data[id * parts + c] = rows[id] ? (*rows[id])[c] : NaN;
-	return result;
+	return talik::tableOf(points, parts, [&](std::size_t id, std::size_t c) { return rows[id] ? (*rows[id])[c] : NaN; });
 }
 
 py::dict RveSkeleton::cost() const

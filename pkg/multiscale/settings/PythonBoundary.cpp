@@ -11,18 +11,13 @@ namespace {
 	template <int D> py::object arrayOf(const std::vector<Vec<D>>& vectors)
 	{
 		if (vectors.empty()) return py::object();
-		const auto array = zeros(py::make_tuple(vectors.size(), D));
-		for (std::size_t k = 0; k < vectors.size(); ++k)
-			std::copy(vectors[k].begin(), vectors[k].end(), numbersOf(array) + k * D);
-		return array;
+		return tableOf(vectors.size(), D, [&](std::size_t k, std::size_t a) { return vectors[k][a]; });
 	}
 
 	py::object arrayOf(const std::vector<double>& numbers)
 	{
 		if (numbers.empty()) return py::object();
-		const auto array = zeros(py::make_tuple(numbers.size()));
-		std::copy(numbers.begin(), numbers.end(), numbersOf(array));
-		return array;
+		return tableOf(numbers.size(), 1, [&](std::size_t k, std::size_t) { return numbers[k]; });
 	}
 } // namespace
 
