@@ -150,7 +150,7 @@ template <int D> void Ground<D>::Parts::bindEffects()
 	if (heat) heat->constrain(grid, settings.boundaries);
 	stateDependent.find(grid, settings.boundaries);
 	if (cells) cells->allocate(grid, n);
-	if (mappedBack) mappedBack->bind(grid);
+	if (mappedBack) mappedBack->bind(grid, settings.motion->gravity);
 	if (averaging()) bBar.allocate(grid);
 	strainWork = { startShare(), bool(implicit) };
 	if (averaging() && frontHasOwnMeans()) cells->allowExceptions();

@@ -23,8 +23,10 @@ namespace {
 	}
 } // namespace
 
-template <int D> void MappedBack<D>::bind(const Grid<D>& grid)
+template <int D> void MappedBack<D>::bind(const Grid<D>& grid, const Vec<D>& gravity)
 {
+	upright_ = layerNormal<D>(gravity);
+	up_      = gravity[upright_] > 0.0 ? -1 : gravity[upright_] < 0.0 ? 1 : 0;
 	missing.allocate(grid.nodeCount());
 	empty_.assign(grid.cellCount(), 0);
 	emptyBefore_.clear();
@@ -42,9 +44,14 @@ template <int D> void MappedBack<D>::find(const Grid<D>& grid, const CellMeans<D
 	if (strips.slabs) strips.slabs->shareByCell(empty_);
 	if (empty_ == emptyBefore_) return;
 	emptyBefore_ = empty_;
+	open_        = empty_;
+	for (int k = 0; k < count && up_ != 0; ++k) {
+		const int c = up_ > 0 ? count - 1 - k : k, above = grid.neighbour(c, upright_, up_);
+		if (above >= 0) open_[c] &= open_[above];
+	}
 	std::fill(beside_.begin(), beside_.end(), 0);
 	for (int c = 0; c < count; ++c)
-		if (empty_[c]) nodesAround(grid, c, 1, 2, [&](int node) { beside_[node] = 1; });
+		if (open_[c]) nodesAround(grid, c, 1, 2, [&](int node) { beside_[node] = 1; });
 	for (const NodeImage& image : grid.images())
 		beside_[image.original] |= beside_[image.node];
 	for (const NodeImage& image : grid.images())

@@ -8,13 +8,13 @@
 
 namespace talik {
 
-/// Velocities that points map back to the nodes within a step, from which their strain and path follow at nodes beside an empty cell, eq. (8.3a) (modified
-/// update, Sulsky et al. 1995). Some forces of nodes give accelerations that no point feels, sum S a = 0. Within the ground their strain takes stress to
-/// the balance of the nodes. At its edges no stress can balance them, and the ground would creep for ever.
+/// Velocities that points map back to the nodes within a step, from which their strain and path follow at nodes beside cells that are empty up to the sky,
+/// eq. (8.3a) (modified update, Sulsky et al. 1995). Some forces of nodes give accelerations that no point feels, sum S a = 0. Within the ground their
+/// strain takes stress to the balance of the nodes, and closes gaps. At its surface no stress can balance them, and the ground would creep for ever.
 template <int D> class MappedBack {
 public:
-	void bind(const Grid<D>& grid);
-	/// Finds the nodes beside cells without points, and the cells whose points reach them; after CellMeans::locate.
+	void bind(const Grid<D>& grid, const Vec<D>& gravity);
+	/// Finds the nodes beside cells without points, also above them, and the cells whose points reach these nodes; after CellMeans::locate.
 	void find(const Grid<D>& grid, const CellMeans<D>& cells, const Strips& strips);
 	/// Adds what the points of a block have more of momentum, at the end of the step, than the solved velocities of the nodes say.
 	void map(const CellMeans<D>& cells, const SolidMotion<D>& motion, const WeightBlock<D>& w);
@@ -24,9 +24,11 @@ public:
 	NodeField<D> missing; ///< momentum [kg m/s], cleared before each step
 
 private:
-	std::vector<unsigned char> empty_, emptyBefore_; ///< by cell
-	std::vector<unsigned char> beside_;              ///< by node
-	std::vector<unsigned char> reaches_;             ///< by cell
+	int                        upright_ = 0, up_ = 0; ///< axis nearest to gravity, side from which it comes; 0: none
+	std::vector<unsigned char> empty_, emptyBefore_;  ///< by cell
+	std::vector<unsigned char> open_;                 ///< by cell: empty up to the sky
+	std::vector<unsigned char> beside_;               ///< by node
+	std::vector<unsigned char> reaches_;              ///< by cell
 };
 
 } // namespace talik
