@@ -17,7 +17,7 @@ template <int D> void Ground<D>::Parts::declareFields()
 		        field, *settings.motion, settings.water || settings.motion->bBar || !stressingEffects.empty(), settings.axisymmetric);
 	if (settings.motion && settings.motion->transfer != VelocityTransfer::flip)
 		affine = std::make_unique<AffineVelocity<D>>(field, settings.motion->transfer);
-	if (settings.motion && !affine) mappedBack = std::make_unique<MappedBack<D>>();
+	if (settings.motion && fillsCells && !affine) mappedBack = std::make_unique<MappedBack<D>>();
 	for (const auto& effect : effects)
 		effect->declareFields(field);
 	if (hasContent()) content = std::make_unique<PoreContent<D>>(field, settings);
