@@ -8,9 +8,10 @@
 
 namespace talik {
 
-/// Velocities that points map back to the nodes within a step, from which their strain and path follow at nodes beside cells that are empty up to the sky,
-/// eq. (8.3a) (modified update, Sulsky et al. 1995), where points fill a cell each. Some forces of nodes give accelerations that no point feels, sum S a = 0. Within the ground their
-/// strain takes stress to the balance of the nodes, and closes gaps. At its surface no stress can balance them, and the ground would creep for ever.
+/// Velocities that points map back to the nodes within a step, from which their strain and path follow at nodes beside cells that are empty up to the
+/// sky, eq. (8.3a) (modified update, Sulsky et al. 1995), where points fill a cell each. Some forces of nodes give accelerations that no point feels, sum
+/// S a = 0. Within the ground their strain takes stress to the balance of the nodes, and closes gaps. At its surface no stress can balance them, and the
+/// ground would creep for ever.
 template <int D> class MappedBack {
 public:
 	void bind(const Grid<D>& grid, const Vec<D>& gravity);
