@@ -153,21 +153,17 @@ TEST(TimeStep, WavesBetweenPointsThatTheGridSmoothesDoNotGrowAtTheLimit)
 		ground.settings().motion->picTime = kept < 1.0 ? -ground.stableTimeStep().step / std::log(kept) : std::numeric_limits<double>::infinity();
 		return ground;
 	};
-	double created    = 0.0;
-	int    lostBeyond = 0;
+	double created = 0.0;
 	for (const bool wet : { false, true })
 		for (const double kept : { 0.0, 0.25, 1.0 })
-			for (unsigned seed = 1; seed <= 8; ++seed)
-				for (const double factor : { 1.0, 1.4 }) {
-					Ground<2> ground = block(wet, kept, seed);
-					Watch<2>  watch(ground);
-					watch.run(400, 20, factor);
-					const Figures& f = watch.figures();
-					if (factor == 1.0) created = std::max(created, f.finite && f.stopped.empty() ? f.energyCreated : 1.0);
-					else lostBeyond += f.energyCreated > 0.05;
-				}
+			for (unsigned seed = 1; seed <= 8; ++seed) {
+				Ground<2> ground = block(wet, kept, seed);
+				Watch<2>  watch(ground);
+				watch.run(400, 20);
+				const Figures& f = watch.figures();
+				created          = std::max(created, f.finite && f.stopped.empty() ? f.energyCreated : 1.0);
+			}
 	expectSmall("free blocks of one point per cell in vibration, 48 ways, step at its limit: energy from nowhere", created, 0.05);
-	expectAtLeast("the same with 1.4 times the limit: runs lost of 48", lostBeyond, 1.0);
 }
 
 // Explicit phase change gives 4e8 Pa/K in undrained frozen ground: scaled time makes it a source of waves, which must stay bounded.
