@@ -196,7 +196,7 @@ def begin():
 begin()
 scene = sample.open()
 own = [cls for cls in vars(talik).values() if isinstance(cls, type) and issubclass(cls, wrapper.Serializable)]
-loose = [cls() for cls in own] + [sample, talik._talik.SampleGroup(sample, 3)]
+loose = [cls() for cls in own] + [sample]
 loose[own.index(wrapper.OpenRveSample)].source = scene
 generator = random.Random({seed})
 values = [

@@ -151,17 +151,6 @@ def test_a_prepared_sample_is_brought_to_another_stress_by_stock_yade(prepared, 
 	assert np.abs(np.array(deep.stress) - (-120e3, -120e3, -150e3, 0, 0, 0)).max() < 2e-3 * 130e3
 
 
-def test_threads_and_groups_of_spheres_give_the_same_bits(sample):
-	sample.freeze(0.5)
-	stresses = []
-	for threads in (1, 2):
-		group = talik._talik.SampleGroup(sample, 4)
-		for _ in range(3):
-			group.apply(Matrix3(1e-5, 2e-5, 0, 0, -1e-5, 0, 0, 1e-5, 0), 20, threads=threads)
-		stresses.append([group.stress(k) for k in range(4)])
-	assert stresses[0] == stresses[1] and len(stresses[0][0]) == 6
-
-
 @pytest.mark.parametrize(
 	"settings, words",
 	[
