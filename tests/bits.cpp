@@ -147,8 +147,8 @@ int main(int count, char** words)
 	implicit.name = "water, implicit pressure", implicit.implicit = true;
 	const Scene endless         = withoutEnds(iceRichWet, "all, thaw strain, periodic sides"),
 	            endlessImplicit = withoutEnds(allImplicit, "all, implicit, periodic sides");
-	for (const Scene& scene :
-	     { dryApic, tpic, implicit, warm, frozen, aroundAxis, allOwn, withWalls, withBall, iceRichWet, heaving, dividing, endless, endlessImplicit })
+	for (const Scene& scene : { dryApic, tpic, implicit, warm, frozen, aroundAxis, allOwn, withWalls, withBall, iceRichWet, heaving, dividing,
+	                            fillingImplicit, endless, endlessImplicit })
 		if (("plane, " + std::string(scene.name)).find(only) != std::string::npos) allWays<2>(scene, steps);
 	for (const Scene& scene : { dryApic, frozen, withWalls, withBall, iceRichWet, heaving, dividing })
 		if (("space, " + std::string(scene.name)).find(only) != std::string::npos) allWays<3>(scene, steps / 4);

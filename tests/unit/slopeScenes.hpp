@@ -26,6 +26,7 @@ struct Scene {
 	bool             implicit    = false;
 	bool             periodic = false, axisymmetric = false; ///< periodic: left and right are joined, and ground fills the box between them
 	bool             divide = false;                         ///< one point a cell in a slope that is drawn out
+	bool             fills  = false;                         ///< one point a cell
 };
 
 /// Two soils, a wall that moves in, rain, and boundaries that act in boxes, on discs and on a side, across the borders of strips.
@@ -121,9 +122,10 @@ template <int D> std::unique_ptr<Ground<D>> slope(const Scene& scene, const std:
 	}
 	auto               ground = std::make_unique<Ground<D>>(s);
 	std::array<int, D> n, i {};
-	const double       size = scene.divide ? h : 0.5 * h;
+	const bool         one  = scene.divide || scene.fills;
+	const double       size = one ? h : 0.5 * h;
 	for (int a = 0; a < D; ++a)
-		n[a] = scene.divide ? (a == 0 ? 14 : 6) : a == 0 ? (scene.columns ? scene.columns : D == 2 ? 62 : 50) : D == 2 ? 14 : 10;
+		n[a] = one ? (a > 0 ? 6 : scene.divide ? 14 : 31) : a == 0 ? (scene.columns ? scene.columns : D == 2 ? 62 : 50) : D == 2 ? 14 : 10;
 	for (int a = 0; a < D;) {
 		PointInput<D> p;
 		p.volume = std::pow(size, D);
@@ -173,6 +175,13 @@ inline Scene withDivision(Scene scene, const char* name)
 	return scene;
 }
 
+inline Scene fillingCells(Scene scene, const char* name)
+{
+	scene.name  = name;
+	scene.fills = true;
+	return scene;
+}
+
 inline Scene withImplicitPressure(Scene scene, const char* name)
 {
 	scene.name     = name;
@@ -202,6 +211,8 @@ inline const Scene wetImplicit     = withImplicitPressure(wet, "water, implicit 
                    wallImplicit    = withImplicitPressure(withWalls, "all, two soils, a moving wall, rain, sources, implicit pressure"),
                    heavingImplicit = withImplicitPressure(heavingComputed, "all, computed ice segregation, implicit pressure"),
                    dividing        = withDivision(heavingComputed, "all, computed ice segregation, points that divide"),
+                   fillingImplicit = fillingCells(allImplicit, "heat, water, freezing, thaw front, implicit pressure, one point a cell"),
+                   axisImplicit    = aboutAxis(wetImplicit, "water, implicit pressure, about an axis"),
                    ballImplicit    = withImplicitPressure(withBall, "all, a ball, a calendar that follows the motion, implicit pressure");
 
 } // namespace talik

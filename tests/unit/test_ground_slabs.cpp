@@ -93,13 +93,17 @@ template <int D> void expectSameBits(const Scene& scene, int steps, const std::v
 TEST(GroundSlabs, OnTwoRanksGiveTheBitsOfOneRank)
 {
 	for (const Scene& scene : { dryApic, wet, all, withWalls, withBall, iceRichWet, heaving, heavingComputed, dividing, wetImplicit, wallImplicit,
-	                            heavingImplicit, ballImplicit })
+	                            heavingImplicit, fillingImplicit, ballImplicit })
 		expectSameBits<2>(scene, 260, { 2 }, { 1 });
 	for (const Scene& scene : { all, allImplicit })
 		expectSameBits<3>(scene, 130, { 2 }, { 1 });
 }
 
-TEST(GroundSlabs, AboutAnAxisGiveTheBitsOfOneRank) { expectSameBits<2>(aroundAxis, 260, { 2 }, { 1, 2 }); }
+TEST(GroundSlabs, AboutAnAxisGiveTheBitsOfOneRank)
+{
+	for (const Scene& scene : { aroundAxis, axisImplicit })
+		expectSameBits<2>(scene, 260, { 2 }, { 1, 2 });
+}
 
 TEST(GroundSlabs, OfWhichTheLastHasNoPointsGiveTheBitsOfOneRank)
 {

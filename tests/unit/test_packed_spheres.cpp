@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <gtest/gtest.h>
 #include <pkg/rve/packed/PackedSample.hpp>
+#include <pkg/rve/packed/PackedSamplePool.hpp>
 #include <pkg/rve/packed/PackedWorkspace.hpp>
 
 using namespace talik;
@@ -167,4 +168,24 @@ TEST(PackedSpheres, flippedCellCarriesTheSameSample)
 	const double after = (flipped.stress() - sample.stress()).norm() / sample.stress().norm();
 	std::printf("stress after the flip off by %.1e\n", after);
 	EXPECT_LT(after, 1e-10);
+}
+
+TEST(PackedSpheres, aPoolGivesTheSameBitsForAnyNumberOfThreads)
+{
+	SamplePool<3>                 one, many;
+	std::vector<PackedRequest<3>> requests;
+	PackedUpdateOptions           options;
+	options.steps = 20;
+	for (std::size_t k = 0; k < 4; ++k) {
+		one.add(initial());
+		many.add(initial());
+		requests.push_back({ k, reference().velGrad * 1e-4 * double(k + 1), 0.0 });
+	}
+	for (int round = 0; round < 3; ++round) {
+		const auto a = one.update(requests, options, 1), b = many.update(requests, options, 2);
+		for (std::size_t k = 0; k < requests.size(); ++k) {
+			EXPECT_EQ(a[k].stress, b[k].stress);
+			EXPECT_TRUE(one.state(k).toBytes() == many.state(k).toBytes());
+		}
+	}
 }
