@@ -123,14 +123,7 @@ template <int D> void FreeSurface<D>::map(const WeightBlock<D>& w)
 
 template <int D> void FreeSurface<D>::findOpenAir(const Grid<D>& grid, const CellMeans<D>& cells)
 {
-	const SlabDecomposition* slabs = strips_->slabs;
-	const int                strip = Strips::rows * grid.cellStride(grid.slowAxis());
-	const int first = slabs ? slabs->firstStrip() * strip : 0, end = slabs ? std::min(slabs->endStrip() * strip, grid.cellCount()) : grid.cellCount();
-	withEmptiness(grid, cells, [&](auto&& empty) {
-		for (int c = first; c < end; ++c)
-			empty_[c] = empty(c);
-	});
-	if (strips_->slabs) strips_->slabs->shareByCell(empty_);
+	withEmptiness(grid, cells, [&](auto&& empty) { flagCells(grid, *strips_, empty_, empty); });
 	bool changed = false;
 	for (int c = 0; c < grid.cellCount(); ++c)
 		changed |= empty_[c] != (emptiness_[c] != filled);

@@ -36,12 +36,8 @@ template <int D> void MappedBack<D>::bind(const Grid<D>& grid, const Vec<D>& gra
 
 template <int D> void MappedBack<D>::find(const Grid<D>& grid, const CellMeans<D>& cells, const Strips& strips)
 {
-	const int strip = Strips::rows * grid.cellStride(grid.slowAxis()), count = grid.cellCount();
-	const int first = strips.slabs ? strips.slabs->firstStrip() * strip : 0;
-	const int end   = strips.slabs ? std::min(strips.slabs->endStrip() * strip, count) : count;
-	for (int c = first; c < end; ++c)
-		empty_[c] = !(cells.cellVolume(c) > 0.0);
-	if (strips.slabs) strips.slabs->shareByCell(empty_);
+	const int count = grid.cellCount();
+	flagCells(grid, strips, empty_, [&](int c) { return !(cells.cellVolume(c) > 0.0); });
 	if (empty_ == emptyBefore_) return;
 	emptyBefore_ = empty_;
 	open_        = empty_;

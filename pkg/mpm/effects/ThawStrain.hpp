@@ -34,8 +34,6 @@ public:
 	void close(const StepContext<D>& step, const PointsInMotion<D>& points, const double* modulus, const Gradients<D>& gradient);
 	/// Ice saturation of the frozen ground at the start [-].
 	double frozenSaturation(int place) const { return frozenSaturation_[place]; }
-	/// Room that ice has left there is not closed yet.
-	bool isOpen(int place) const { return open_[place] > 0.0; }
 	/// Gives all points back the displacement gradient of the ground.
 	void restoreGradients(const Gradients<D>& gradient) { closed_.takeOut(gradient); }
 	/// Of cells or points only these take memory.

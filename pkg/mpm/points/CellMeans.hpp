@@ -20,6 +20,16 @@ template <int D> Vec<3> traceShares(const Grid<D>& grid)
 	return share;
 }
 
+/// is(cell) of all cells, each found by the rank that has the points of the cell.
+template <int D, class Is> void flagCells(const Grid<D>& grid, const Strips& strips, std::vector<unsigned char>& flags, Is&& is)
+{
+	const int strip = Strips::rows * grid.cellStride(grid.slowAxis()), all = grid.cellCount();
+	const int end = strips.slabs ? std::min(strips.end() * strip, all) : all;
+	for (int c = strips.begin() * strip; c < end; ++c)
+		flags[c] = is(c);
+	if (strips.slabs) strips.slabs->shareByCell(flags);
+}
+
 /// Volume-weighted means over the points of a grid cell: the projection that keeps low-order ground from locking.
 /// As it is symmetric in the volume-weighted product, the mean of div v and the mean of pressure are transposes. Points that are left
 /// out, all of a cell or none, keep their own values in both.
